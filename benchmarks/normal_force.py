@@ -419,7 +419,7 @@ A coast-down says nothing about F_N: on a level axis, the columns of C_lN and B_
 **Drum and tyre, from the times of their turns** (17-hpvdt-revolutions): for an inertia of 1 kg m², friction is {drum.estimates["C"].value:.3g} + {drum.estimates["B"].value:.3g} |ω| rad/s² for the drum and {tyre.estimates["C"].value:.3g} + {tyre.estimates["B"].value:.3g} |ω| for the tyre.
 This is a single load; only a comparison across loads would say anything about F_N.
 
-**Torque sensor between two equal motors** (18-actuator-dynamometer): after subtracting the sensor's {facts["at_rest"]:.3g} N m at rest, the torque (sensor of k_i i) is {", ".join(f"{row[2]:.3g} of {row[1]:.3g} N m at {row[0]:.0f} rad/s" for row in steps)}.
+**Torque sensor between two equal motors** (18-actuator-dynamometer): after subtracting the sensor's {facts["at_rest"]:.3g} N m at rest, the sensor reads {", ".join(f"{row[2]:.3g} N m where k_i i is {row[1]:.3g} N m ({row[0]:.0f} rad/s)" for row in steps)}.
 Viscous friction of the idle motor is {facts["viscous"][1]:.2g} N m s/rad, {100 * share:.0f} % of the value from the current for both motors, as expected; its dry friction depends on the sensor's zero, which a shaft at rest does not reveal.
 There is no unbalanced mass, so F_N never changes.
 

@@ -807,7 +807,7 @@ class Model:
         self.check(parameters)
         missing = [name for name in names if getattr(parameters or self.default, name) is None]
         if missing and np.any(np.asarray(value) != 0):
-            raise ValueError(f"{', '.join(missing)}: required in Parameters unless {last} is 0, got None")
+            raise ValueError(f"{', '.join(missing)}: expected numbers unless {last} is 0, got None")
 
     def unsolvable(self, parameters: Any) -> str:
         """What leaves a step in time without a single solution; friction itself is defined without one."""

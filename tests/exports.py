@@ -15,8 +15,8 @@ from eccentric.model import load_model, with_values
 
 J = {"J_m": 1e-4, "J_l": 0.04276066}
 BENCH = {
-    **J, "M": 0.489, "M_l": 0.181, "L": 0.279, "mu": 0.2, "k_i": 0.063, "k_e": 0.063, "B_lN": 0.006384,
-    "C_lN": 0.07297, "B_m": 0.0009273, "C_m": 0.0443,
+    **J, "M": 0.489, "M_l": 0.181, "L": 0.279, "mu": 0.2, "R": 1.0, "k_i": 0.063, "k_e": 0.063,
+    "B_lN": 0.006384, "C_lN": 0.07297, "B_m": 0.0009273, "C_m": 0.0443,
 }  # fmt: skip
 """A fit of the bundled log, rounded."""
 UNEQUAL = {"B_m_pos": 8e-4, "B_m_neg": 1.2e-3, "C_m_pos": 0.03, "C_m_neg": 0.05}

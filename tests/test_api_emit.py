@@ -55,9 +55,17 @@ def test_a_model_names_itself_in_the_banner(tmp_path: Path) -> None:
             "parameters: parameters.B_m: expected a finite number, got 'a'",
         ),
         ({"parameters": {"model": "c2_parallel", "parameters": {"B_m": 1.0}}}, "parameters: expected a fit"),
+        (
+            {"parameters": {"k_i": 0.05}},
+            "parameters: parameters: expected all of R, k_i, k_e, or none, got k_i alone",
+        ),
+        (
+            {"parameters": {"parameters": {"B_m": 0.1}, "placeholders": {"R": "a"}}},
+            "parameters: placeholders.R: expected a finite number, got 'a'",
+        ),
         ({"parameters": "no.json"}, "no.json: no such file"),
     ],
-    ids=["prefix", "letter", "text", "another model", "no file"],
+    ids=["prefix", "letter", "text", "another model", "part of a motor", "placeholder", "no file"],
 )
 def test_bad_values_are_one_line(arguments: dict, line: str, tmp_path: Path) -> None:
     """The line begins with the argument, and nothing is written."""

@@ -214,7 +214,10 @@ def test_what_is_no_friction_is_told(effect: str, left: float, tmp_path: Path) -
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         eccentric.emit(model, tmp_path / "out", compensation=True)
-    told = f"of up to {left} N m that is not friction (cogging, a spring, a load): add {model.name}_gravity"
+    told = (
+        f"of up to {left} N m (motor side) that is not friction (gravity, cogging, a spring, a load): add"
+        f" {model.name}_gravity"
+    )
     assert [told in str(one.message) for one in caught] == [True] * bool(left)
     header = (tmp_path / "out" / f"{model.name}_compensation.h").read_text(encoding="utf-8")
     assert (f"gravity_torque, up to {left} N m" in header) == bool(left)
@@ -294,6 +297,7 @@ def test_the_level_is_that_at_the_width() -> None:
 X, Y, K = sp.symbols("x y k", real=True)
 STEPS = [  # an expression, its largest slopes for |x| <= 2 and |y| <= 3 with k = 1.5, in closed form
     (steps.Clipped(X, -(1 + sp.Abs(Y)), 1 + K * sp.Abs(Y)), {"x": 1.0, "y": 1.5}),
+    (steps.Bounded(sp.Abs(X), 1 + K * sp.Abs(Y)), {"x": 1.0, "y": 1.5}),
     (K * sp.Abs(X), {"x": 1.5}),
     (sp.Piecewise((X, sp.Eq(K, 0)), (K * X, True)), {"x": 1.5}),
 ]

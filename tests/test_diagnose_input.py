@@ -187,7 +187,7 @@ def test_a_wrong_constant_of_the_rig_is_told_as_what_it_is(tmp_path: Path, k_e: 
     few = SearchRequest(only=(*mismatches, "link_harmonic_friction", "kt_ripple", "stribeck", "cogging"))
     said = diagnosis_sentence(diagnose([LOG], rig, request=few if k_e == "0.05" else None))
     (value,) = re.findall(
-        rf"the right value of k_e: (\S+) V s/rad, the rig file has {k_e} \(ke_mismatch,", said
+        rf"k_e should be (\S+) V s/rad; the rig file has {k_e} V s/rad \(ke_mismatch,", said
     )
 
     # The bench has 0.063 V s/rad; its encoder and its low pass cost some per mille.

@@ -102,6 +102,7 @@ def test_current_with_k_i_known_by_a_range_gives_newton_metres_by_gravity(tmp_pa
     assert is_found(fitted, "B_m", rig.B, 1e-2)
     assert inertia(fitted, rig.mu) == pytest.approx(rig.J, rel=FILTERED)
     assert fitted.values["k_i"] == pytest.approx(rig.k_i, rel=2e-3)
+    assert {"R", "k_e"} == fitted.data.drive.placeholders
 
 
 def test_torque_with_an_arm_known_by_a_range_and_no_inertia(tmp_path: Path) -> None:

@@ -81,8 +81,9 @@ def test_families_without_a_known_range_are_these() -> None:
     known = {e.family for case in CASES for e in effects(case).values() if e.plausible}
 
     assert set(FAMILIES) - known == {
-        "cubic_drag", "sublinear_viscous", "eddy_current", "coulomb_temperature", "local_defect",
-        "cable_spring", "gravity_tilt", "angle_offset", "mass_mismatch", "inertia_mismatch",
+        "quadratic_drag", "oneway_windage", "cubic_drag", "sublinear_viscous", "eddy_current",
+        "coulomb_temperature", "local_defect", "cable_spring", "gravity_tilt", "angle_offset",
+        "mass_mismatch", "inertia_mismatch",
         "kt_saturation", "magnetic_hysteresis", "current_bias", "inverter_deadtime", "armature_inductance",
         "wear_runin", "time_drift", "sensor_delay", "joint_compliance",
     }  # fmt: skip

@@ -87,6 +87,12 @@ def test_parameters_may_be_the_folder_of_a_fit(places: Path, tmp_path: Path) -> 
     assert [path.read_bytes() for path in written[0]] == [path.read_bytes() for path in written[1]]
 
 
+def test_a_folder_that_is_not_there_is_told_with_what_there_may_be(tmp_path: Path) -> None:
+    """It is no misspelt name of a model."""
+    with pytest.raises(InputError, match="the folder of a fit or a diagnosis, got none with this name"):
+        eccentric.export(tmp_path / "nothing", "mjcf", tmp_path / "out")
+
+
 @pytest.mark.parametrize("speeds", [(1.0,), (0.0, 1.0), (2.0, 1.0), (1.0, float("nan")), (1.0, float("inf"))])
 def test_speeds_are_a_range(speeds: tuple[float, ...], places: Path, tmp_path: Path) -> None:
     """Two finite numbers above 0, the second larger."""

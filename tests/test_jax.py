@@ -234,7 +234,7 @@ def test_parameters_are_a_tree() -> None:
 def test_what_is_refused() -> None:
     """An acceleration without inertias, parameters of another module, and what is no real number."""
     m = jaxed("c2_parallel")
-    with pytest.raises(ValueError, match=r"^J_m, J_l: required in Parameters unless alpha_m is 0, got None$"):
+    with pytest.raises(ValueError, match=r"^J_m, J_l: expected numbers unless alpha_m is 0, got None$"):
         m.voltage(0.0, 1.0, 2.0)
     with pytest.raises(TypeError, match=r"^parameters: expected Parameters of this module, got dict$"):
         m.normal_force(0.0, 1.0, {"M": 1.0})

@@ -1,5 +1,8 @@
 """A model of one's own, with nothing of the paper in it: its parts, its equations, its dimensions."""
 
+import pickle
+from dataclasses import replace
+
 import pytest
 import sympy as sp
 
@@ -15,6 +18,8 @@ from eccentric.model import (
     Role,
     Term,
     extended,
+    interface_of,
+    load_model,
     quantity,
     steps,
 )
@@ -253,3 +258,13 @@ def test_functions_of_a_number_require_one(expression: sp.Expr) -> None:
     """The exponential of a length has no meaning."""
     with pytest.raises(ValueError, match="expected a pure number"):
         of_expression(expression, UNITS)
+
+
+def test_a_model_whose_outputs_are_cached_can_be_pickled() -> None:
+    """What is cached of it stays outside: only the model itself is written."""
+    model = replace(load_model("c2_parallel"), name="own")
+    assert interface_of(model).outputs
+    written = pickle.dumps(model)
+
+    assert b"Interface" not in written
+    assert pickle.loads(written).name == "own"  # noqa: S301 - what was just pickled

@@ -137,9 +137,6 @@ STEPPER = {"motor": ("stepper",)}
 @pytest.mark.parametrize(
     ("case", "effect", "values", "parts", "expected"),
     [
-        # A plate at the end of the link, of its length squared, in air: half the density times speed squared.
-        ("C2", "quadratic_drag", {"drag_2": 1.5 * 0.5 * 1.225 * L**5 * MU**3}, {}, 1.5),
-        ("C1", "oneway_windage[-]", {"windage_neg": 2.5 * 0.5 * 1.225 * L**5 * MU**3}, {}, 2.5),
         *(
             (case, effect, {name: 0.5 * size[case]}, {}, 50.0)
             for case in ("C1", "C2")
@@ -170,13 +167,44 @@ STEPPER = {"motor": ("stepper",)}
 def test_a_figure_is_that_of_its_closed_form(
     case: str, effect: str, values: dict[str, float], parts: dict[str, tuple[str, ...]], expected: float
 ) -> None:
-    """Drag of a plate, parts of the friction at rest, angles at the output, errors of declared values."""
+    """Parts of the friction at rest, angles at the output, errors of declared values."""
     errors = dict.fromkeys(values, 1e-9)
     (found, *_) = checked(effects(case)[effect], RIG | FRICTION | values, errors, parts)
 
     assert expected == pytest.approx(found.value)
     known = found.known
     assert ("above" if expected > known.high else "below" if expected < known.low else "") == found.outside
+
+
+def test_half_of_what_the_directions_differ_by_is_called_so() -> None:
+    """(C + c) - (C - c) = 2 c: the parameter, and its part of the friction, are half of it."""
+    for effect, name in (("coulomb_asymmetry", "coulomb_asym"), ("viscous_asymmetry", "viscous_asym")):
+        (found,) = checked(effects("C2")[effect], RIG | FRICTION | {name: 0.001}, {name: 1e-4})
+        assert found.known.name == "half the difference between the directions"
+
+
+@pytest.mark.parametrize("effect", ["load_dependent[progressive]", "quadratic_drag", "oneway_windage[+]"])
+def test_what_depends_on_more_than_the_parameters_has_no_range(effect: str) -> None:
+    """An efficiency by eta + eta_2 |T| falls with the load; drag is that of a disc as well as of a link."""
+    values = {"load_eta": 0.0, "load_eta_2": 3.0, "drag_2": 0.01, "windage_pos": 0.01}
+    assert () == checked(effects("C2")[effect], RIG | FRICTION | values, dict.fromkeys(values, 1e-6))
+
+
+def test_a_figure_in_a_line_has_no_comma_at_its_end() -> None:
+    """A name that ends with a clause has one before "is"."""
+    (found, *_) = checked(effects("C2")["presliding"], RIG | {"presliding_x": 1.0}, {"presliding_x": 1e-6})
+    (sentence,) = outside_sentences(cast("Diagnosis", SimpleNamespace(ranges=(found,))))
+
+    assert "from its axis: " in range_line(found)
+    assert "from its axis, is " in sentence
+
+
+@pytest.mark.parametrize(("error", "outside"), [(-0.16, ""), (-0.38, ""), (-0.45, "below"), (0.12, "above")])
+def test_a_constant_of_warm_magnets_may_be_that_of_the_range(error: float, outside: str) -> None:
+    """Ferrite 80 K above the data sheet is at -16 %, 160 K above and 10 % low at 0.9 * 0.68 - 1 = -38.8 %."""
+    values = {"magnet_a": 0.001, "magnet_0": error}
+    _, found = checked(effects("C2")["magnet_temperature"], values, dict.fromkeys(values, 1e-6))
+    assert outside == found.outside
 
 
 def test_a_part_of_no_friction_is_no_figure() -> None:

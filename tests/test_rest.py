@@ -11,8 +11,8 @@ import subprocess
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from types import ModuleType, SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -24,6 +24,7 @@ from eccentric.effects import Effect
 from eccentric.emission import inertial_loss
 from eccentric.emission.hot import load_module
 from eccentric.model import Model, load_model, with_values
+from eccentric.presentation import loss_warnings
 from tests import extended, oracle
 from tests.compiled import CFunctions
 from tests.emitted import MODELS, every_model, module, with_inertia
@@ -327,6 +328,20 @@ def test_friction_that_follows_the_acceleration_has_to_stay_below_the_inertia(
         with pytest.raises(InputError, match=r"by less than the inertia, 0\.0017 kg m"):
             eccentric.emit(model, tmp_path / "whole")
         assert eccentric.emit(model, tmp_path / "torque", functions=["friction_torque"])
+
+
+@pytest.mark.parametrize(("speed", "warned"), [(1.0, False), (300.0, True)])
+def test_a_simulation_judges_the_loss_at_the_speed_of_its_log(speed: float, warned: bool) -> None:
+    """B_lN mu^3 M L |w| of the acceleration is below J at 1 rad/s and above it at 300 rad/s."""
+    values = {"M": 0.489, "L": 0.279, "mu": 0.2, "B_lN": 0.05, "C_lN": 0.01, "J_m": 1e-4, "J_l": 0.01}
+    channels = SimpleNamespace(
+        motion=SimpleNamespace(omega_m=np.array([-0.5 * speed, speed])),
+        selection=SimpleNamespace(fit_rows=np.ones(2, dtype=bool)),
+        temperature=None,
+    )
+    drive = SimpleNamespace(drive=SimpleNamespace(channels=channels))
+    fit = SimpleNamespace(model=load_model("rotating_link"), values=values, data=drive)
+    assert warned is bool(loss_warnings({"paper": cast("Any", fit)}))
 
 
 def test_a_loss_of_the_transmitted_torque_has_its_closed_form() -> None:

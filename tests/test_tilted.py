@@ -125,7 +125,7 @@ def test_a_wrong_tilt_is_corrected(tmp_path: Path) -> None:
 
     assert ["gravity_tilt[declared]"] == [effect.id for effect, _ in found.effects]
     assert found.models.extended.values["tilt_more"] == pytest.approx(-0.15, abs=2e-3)
-    assert "the right value of phi: 0.6998 rad, the rig file has" in diagnosis_sentence(found)
+    assert "phi should be 0.6998 rad; the rig file has" in diagnosis_sentence(found)
 
 
 @pytest.mark.slow

@@ -205,7 +205,7 @@ def simulate(
         errors=errors,
         unit=rig.axis.unit("rad"),
         lines=tuple(simulation_lines(errors, names, rig.axis)),
-        warnings=(*warnings, *loss_warnings({name: (f.model, f.values) for name, f in fits.items()})),
+        warnings=(*warnings, *loss_warnings(fits)),
         document=simulation_document(errors, names, rig, models_of),
         fitted={name: fitted_model(fit, rig.axis) for name, fit in reversed([*fits.items()])},
     )

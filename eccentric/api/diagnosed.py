@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, names_given, sources_of
-from eccentric.api.result import Result, fitted_model
+from eccentric.api.result import Result, fitted_model, speeds_of
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, given_path, whole_file, whole_folder
 from eccentric.diagnosis import (
@@ -116,7 +116,7 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
     simulated = simulated_errors(fits)
     document, estimates = diagnosis_document(found), axis.estimates(found.result.estimates)
     model, data = extended_model(found), report_data(found, simulated)
-    unsolvable = not_emitted(inertial_loss(model), axis)
+    unsolvable = not_emitted(inertial_loss(model, *speeds_of(document)[1:]), axis)
     document |= {"warnings": [*document["warnings"], *unsolvable]}
     log = dataclasses.replace(data.log, warnings=(*data.log.warnings, *unsolvable))
     fitted = {name: fitted_model(fit, axis) for name, fit in reversed([*fits.items()])}
@@ -280,7 +280,7 @@ class DiagnosisResult(Result):
         holds = self.fits_the_rig and self.solvable
         emitted = complete(self.model, "eccentric diagnose", "model.py") if holds else {}
         write(emitted, folder)
-        text = page(dataclasses.replace(self.data, files=_described(self.own, emitted, self.model.name)))
+        text = page(dataclasses.replace(self.data, files=_described(self.own, emitted, self.model)))
         (folder / "report.html").write_text(text, encoding="utf-8")
         return ["report.html", "diagnosis.json", "model.py", *self.own, *emitted]
 
@@ -296,10 +296,12 @@ def _row(p: Parameter) -> tuple[Any, ...]:
     return (p.name, p.value, p.std_error, low, high, p.unit, p.bound, p.origin)
 
 
-def _described(own: Iterable[str], emitted: Iterable[str], model: str) -> tuple[tuple[str, str], ...]:
+def _described(own: Iterable[str], emitted: Iterable[str], model: Model) -> tuple[tuple[str, str], ...]:
     """(name, what it is) of the files beside a report; `own` are the scripts that the model loads."""
-    return (
+    files = (
         *_WRITTEN,
         *((name, _BASE if name == BASE else "your own script") for name in own),
-        *((name, _EMITTED[name.rpartition(model)[2]]) for name in emitted),
+        *((name, _EMITTED[name.rpartition(model.name)[2]]) for name in emitted),
     )
+    kind = "extended" if model.extensions else "fitted"
+    return tuple((name, what.replace("extended", kind)) for name, what in files)

@@ -14,7 +14,15 @@ from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, arm_of, fit_path, is_arm, model_of, origin_of
 from eccentric.api.result import ResultBase, require_fit, speeds_of, write_emitted
 from eccentric.api.tables import ResultTable
-from eccentric.core import InputError, counted, given_path, refuse_other_files, whole_folder
+from eccentric.core import (
+    InputError,
+    counted,
+    derivation,
+    given_path,
+    meant,
+    refuse_other_files,
+    whole_folder,
+)
 from eccentric.emission import (
     WHOLE,
     Arrays,
@@ -235,6 +243,13 @@ def _model_and_values(
                 raise InputError(
                     path, "the folder of a fit or a diagnosis, with fit.json or model.py", "neither"
                 )
+        if not (path.suffix or path.exists() or derivation(source).is_file()):
+            raise InputError(
+                path,
+                "a model, its derivation, a fit.json, or the folder of a fit or a diagnosis",
+                "none with this name",
+                hint=meant(source, model_names()).removeprefix("; "),
+            )
         if path.suffix == ".json":
             document = document_of(path)
             named = document.get("model")

@@ -93,7 +93,7 @@ def write_emitted(
 def _left_out(model: Model) -> tuple[str, ...]:
     """What a compensation of the friction does not contain; nothing if it is the pendulum's gravity alone."""
     whole, other = gravity_apart(model)
-    return () if other <= 1e-9 * whole else (left_out_sentence(model, other),)
+    return () if other <= 1e-9 * whole else (left_out_sentence(model, whole, other),)
 
 
 def _backends(backend: str | Sequence[str] | None) -> dict[str, None]:
@@ -116,9 +116,10 @@ def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:
 
 
 def speeds_of(fit: Mapping[str, Any] | None) -> tuple[float, ...]:
-    """The lowest and highest motor speed [rad/s] of the content of a fit; nothing without them."""
+    """The lowest and highest motor speed [rad/s] of the content of a result; nothing without them."""
     ranges = (fit or {}).get("ranges")
-    speeds = ranges.get("speed_m_rad_s") if isinstance(ranges, Mapping) else None
+    given = ranges if isinstance(ranges, Mapping) else {}
+    speeds = given.get("speed_m_rad_s", given.get("speed_m_s"))  # of a turning or a sliding axis
     return tuple(map(float, speeds)) if isinstance(speeds, list | tuple) and len(speeds) == 2 else ()
 
 
@@ -191,7 +192,7 @@ class ResultBase:
         """The parameters of the fitted model by the paper's letters, in SI; empty without one.
 
         A letter that is neither known nor identified is not among them; the emitted code has a placeholder
-        for it, such as R = 1 ohm after a fit by the current.
+        for it, such as R = 1 ohm after a fit by the current: `module.Parameters()` has those too.
         """
         return dict(self._model(None).parameters) if self._models() else {}
 

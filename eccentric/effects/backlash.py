@@ -111,7 +111,8 @@ def backlash(setting: Setting) -> Iterator[Effect]:
         )
 
     free = Sgn(left.symbol)
-    # The first names the effect: after a reversal the speed is low, and a log seldom shows the viscous part.
+    # The first names the effect: gravity's share where there is one, else Coulomb friction, since after a
+    # reversal the speed is low and a log seldom shows the viscous part.
     columns: list[Column] = [(C, -free * mu * force * direction), (B, -free * mu**2 * force * omega_m)]
     roles = [Role.COULOMB, Role.VISCOUS]
     if by_force:

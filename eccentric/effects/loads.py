@@ -157,7 +157,7 @@ def load_dependent(setting: Setting) -> Iterator[Effect]:
                 formula=f"(eta |T| + eta_2 T^2) sgn w, T = {load.formula}",
                 reference="M. Duclusaud, G. Passault, V. Padois and O. Ly, arXiv:2410.08650, 2024"
                 " (quadratic in the load)",
-                plausible=(_efficiency(eta.symbol),),
+                # Its efficiency falls with the load: no figure of it, whatever the torque.
                 words=words,
                 headline="gear friction that grows progressively with the transmitted torque",
             )

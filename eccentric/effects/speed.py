@@ -7,11 +7,10 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import SPEED, Effect, Plausible, PossibleCause, Setting, Shape, Words
+from eccentric.effects.effect import SPEED, Effect, PossibleCause, Setting, Shape, Words
 from eccentric.effects.forms import (
     addition,
     direction,
-    mu,
     nonnegative,
     omega_m,
     part_of_dry,
@@ -21,7 +20,6 @@ from eccentric.effects.forms import (
 from eccentric.effects.motor import WITH_IRON
 from eccentric.effects.temperature import FILM
 from eccentric.model import Backward, Definition, Forward, Magnitude, Role, quantity
-from eccentric.model import vocabulary as v
 
 forward, backward = Forward(omega_m), Backward(omega_m)
 BRUSHED = {"motor": ("brushed", "coreless")}
@@ -31,23 +29,6 @@ IN_C1 = {
     "quadratic_drag": "w|w|, the column of C_lN: F_N is M L omega_l^2",
     "cubic_drag": "w^3, the column of B_lN: F_N is M L omega_l^2",
 }
-
-
-AIR = 1.225
-"""Density of air at sea level [kg/m^3]."""
-
-
-def _in_air(coefficient: sp.Symbol) -> Plausible:
-    """The least drag coefficient of the link that makes a drag: with an area that no link has."""
-    return Plausible(
-        2 * coefficient / (AIR * mu**3 * v.L.symbol**5),
-        "1",
-        0.0,
-        1.98,
-        "S. F. Hoerner, Fluid-Dynamic Drag, 1965: a long plate across the flow; air: ISO 2533, 1975",
-        "the drag coefficient of the link in air, with an area of its length squared at its end,",
-        above="not the air around the link alone",
-    )
 
 
 def drag(setting: Setting) -> Iterator[Effect]:
@@ -76,7 +57,6 @@ def drag(setting: Setting) -> Iterator[Effect]:
             depends_on=("velocity", "direction"),
             formula=f"D w|w| for w {side} 0 only",
             reference="J. E. Vrancik, NASA TN D-4849, 1968 (windage grows with the square of the speed)",
-            plausible=(_in_air(q.symbol),),
             words=one_way,
             headline=f"windage in the {which} direction only",
         )
@@ -95,7 +75,6 @@ def drag(setting: Setting) -> Iterator[Effect]:
         depends_on=("velocity",),
         formula="D w|w|",
         reference="S. S. Ge, T. H. Lee and S. X. Ren, Int. J. Systems Science 32(4), 2001",
-        plausible=(_in_air(quadratic.symbol),),
         words=Words(
             headline="drag that grows with the square of the speed",
             meaning="Drag of air or oil in turbulent flow: it grows with the square of the speed.",
@@ -229,6 +208,7 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
             "cable_spring": "Turn the link ten times as far in one direction.",
         },
     )
+    apart = "half the difference between the directions"
     # Beside a voltage, the offset of the current sensor is an effect of its own.
     if not setting.measured_twice:
         dry = replace(
@@ -246,7 +226,7 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
         reference=reference,
         aliases=() if setting.has("voltage") else ("current_bias",),
         special_of=("cable_spring",),
-        plausible=part_of_dry(setting, C.symbol, "the difference between the directions", either_sign=True),
+        plausible=part_of_dry(setting, C.symbol, apart, either_sign=True),
         words=dry,
     )
     yield addition(
@@ -256,9 +236,7 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
         depends_on=("direction", "velocity"),
         formula="b |w|: viscous friction B_m + b forwards, B_m - b backwards",
         reference=reference,
-        plausible=part_of_viscous(
-            setting, B.symbol, "the difference between the directions", either_sign=True
-        ),
+        plausible=part_of_viscous(setting, B.symbol, apart, either_sign=True),
         words=Words(
             headline="viscous friction that differs between the directions",
             meaning="Viscous friction that differs by direction.",

@@ -110,10 +110,11 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     placeholders = content.get("placeholders", {})
     if not isinstance(placeholders, Mapping):
         raise InputError(f"{where}: expected `placeholders` as an object of numbers by their letters")
+    for key, given in (("placeholders", placeholders), ("parameters", values)):
+        for letter, value in given.items():
+            if value is not None and not _is_number(value):
+                raise InputError(f"{where}: {key}.{letter}", "a finite number", f"{value!r}")
     values = {x: value for x, value in {**placeholders, **values}.items() if value is not None}
-    for letter, value in values.items():
-        if not _is_number(value):
-            raise InputError(f"{where}: parameters.{letter}", "a finite number", f"{value!r}")
     values = in_general_letters(values, axis, where)
     notes, identified_on = content.get("parameter_notes", {}), content.get("identified_range", "")
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
@@ -158,11 +159,21 @@ def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
     """Return the model under a new name, with fitted values as its defaults.
 
     Raises:
-        InputError: the values are those of another model, which would leave the rest at the paper's values; a
-            value is of no parameter of the model, or of a sign that it cannot have.
+        InputError: the values are those of another model, which would leave the rest at the paper's values,
+            or some of the motor's constants without the others; a value is of no parameter of the model, or
+            of a sign that it cannot have.
     """
     if fitted.model not in (None, model.name):
         raise InputError(fitted.source, f"a fit of {model.name}", f"one of {fitted.model}")
+    motor = [q.name for q in model.parameters if q.name in {"R", "k_i", "k_e"}]
+    given = [name for name in motor if name in fitted.values]
+    if given and given != motor:  # the others would be those of the paper's motor
+        raise InputError(
+            f"{fitted.source}: parameters",
+            f"all of {', '.join(motor)}, or none",
+            f"{', '.join(given)} alone",
+            hint="give the whole document of a fit: its `placeholders` have the rest",
+        )
     title = f"{model.title}; {fitted.identified_on}" if fitted.identified_on else model.title
     return with_values(
         model,

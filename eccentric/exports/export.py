@@ -79,6 +79,7 @@ def pendulum(drive: ExportedDrive) -> dict[str, object]:
 def stated(drive: ExportedDrive, law: ConstantLaw) -> list[str]:
     """Lines for the head of a file that state how close a law is: error, range, levels at rest."""
     low, high = drive.link_speeds
+    levels = dict.fromkeys(f"{x:.4g}" for x in law.breakaway)
     values = {
         "exact": law.exact and not drive.takes("alpha_m"),
         "accelerated": drive.takes("alpha_m"),
@@ -87,7 +88,7 @@ def stated(drive: ExportedDrive, law: ConstantLaw) -> list[str]:
         "error_rms": f"{law.error_rms:.3g}",
         "error_max": f"{law.error_max:.3g}",
         "error_percent": f"{100.0 * law.error_rms / law.friction_rms:.2g}" if law.friction_rms else "0",
-        "breakaway": f"{law.breakaway[0]:.4g} to {law.breakaway[1]:.4g}",
+        "breakaway": " to ".join(levels),
     }
     return template("exports/stated").render(head(drive) | values).splitlines()
 

@@ -68,7 +68,9 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         unit,
         opened,
         adjusts,
-        _identified(first, scale if unit == "N m" else None, machine if open_inertia else None, rig),
+        _identified(
+            first, scale if unit == "N m" else None, machine if open_inertia else None, rig, by == "voltage"
+        ),
         tuple(w for w in problem.warnings if w not in channels.intake.warnings),
         rotor,
     )
@@ -83,10 +85,12 @@ def _require_in_plane(rig: Rig, table: str, phi: float) -> None:
         )
 
 
-def _identified(first: Solution, scale: float | None, inertia: Machine | None, rig: Rig) -> tuple[str, ...]:
-    """Parameters that were estimated from the log."""
-    scaled = set[str]() if scale is None or {"R", "k_i"} <= set(rig.known) else {"R", "k_i"}
-    scaled -= {"k_i"} & set(rig.known)
+def _identified(
+    first: Solution, scale: float | None, inertia: Machine | None, rig: Rig, by_voltage: bool
+) -> tuple[str, ...]:
+    """Parameters that were estimated from the log; a current shows no resistance."""
+    motor = {"R", "k_i"} if by_voltage else {"k_i"}
+    scaled = set[str]() if scale is None or motor <= set(rig.known) else motor - ({"k_i"} & set(rig.known))
     letters = set() if inertia is None else {*inertia.inertias} - set(rig.known)
     return tuple(sorted({*first.at, *scaled, *letters, *({LOAD} & set(rig.unknown))}))
 

@@ -42,12 +42,13 @@ def interface_of(model: Model) -> Interface:
     Raises:
         InputError: the model lacks something that they require.
     """
-    if id(model) not in _interfaces:
-        interface = drive_interface(model) if model.declares is None else model.declares(model)
+    kept = _interfaces.get(id(model))
+    if kept is None:
+        kept = model, drive_interface(model) if model.declares is None else model.declares(model)
         if len(_interfaces) >= _KEPT:
-            del _interfaces[next(iter(_interfaces))]
-        _interfaces[id(model)] = (model, interface)
-    return _interfaces[id(model)][1]
+            _interfaces.pop(next(iter(_interfaces)), None)
+        _interfaces[id(model)] = kept
+    return kept[1]
 
 
 # Friction in one direction: its limit at standstill, and its polynomial in the velocity.

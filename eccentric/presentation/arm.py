@@ -197,7 +197,7 @@ def _bodies_line(found: IdentifiedBodies | None) -> list[str]:
     if not found.bodies.explain:
         possible = (
             "these values are not physically realizable"
-            f" (the nearest that are miss one by {found.bodies.misfit:.1f} standard errors)"
+            f" (the nearest realizable ones are up to {found.bodies.misfit:.1f} standard errors away)"
         )
     return [f"bodies: {len(found.estimates)} base parameters identified; {possible}"]
 

@@ -130,14 +130,13 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
         if drive.takes("alpha_m"):
             lines.append("friction that follows the acceleration is left out: the error is at constant speed")
         least, most = (f"{x:.4g}" for x in law.breakaway)
-        own = f"{least} N m" if least == most else f"{least} to {most} N m, depending on the angle"
-        lines.append(
-            f"at rest it holds {law.lower:.4g} N m backwards and {law.upper:.4g} N m forwards;"
-            f" the drive {own}"
-        )
+        own = f"+-{least} N m" if least == most else f"{least} to {most} N m, depending on the angle"
+        back, forth = f"{law.lower:.4g}", f"{law.upper:.4g}"
+        held = f"+-{forth} N m" if back == forth else f"{back} N m backwards and {forth} N m forwards"
+        lines.append(f"at rest the export holds {held}, the drive {own}")
     if exported.left_out > 1e-9 * max(drive.p.M * drive.p.g * drive.p.L, 1e-9):
         lines.append(
-            f"left out: a torque of up to {exported.left_out:.3g} N m that is not friction"
+            f"left out: a torque at the joint of up to {exported.left_out:.3g} N m that is not friction"
             " (cogging, a spring, a load)"
         )
     file, missing = exported.unwritten
@@ -153,11 +152,13 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
     return lines
 
 
-def left_out_sentence(model: Model, torque: float) -> str:
-    """What a compensation of the friction leaves out: a torque [N m] that is not friction."""
+def left_out_sentence(model: Model, whole: float, other: float) -> str:
+    """What a compensation of the friction leaves out [N m]: of it, `other` is not the pendulum's gravity."""
     axis = model.axis
+    largest, rest = (f"{x:.3g} {axis.unit('N m')}" for x in (whole, other))
+    beyond = "" if rest == largest else f"; {rest} of it beyond gravity"
     return (
-        f"the compensation leaves out a {axis.term('torque')} of up to {torque:.3g} {axis.unit('N m')}"
-        " that is not friction (cogging, a spring, a load): add"
+        f"the compensation leaves out a {axis.term('torque')} of up to {largest}{axis.text(' (motor side)')}"
+        f" that is not friction (gravity, cogging, a spring, a load{beyond}): add"
         f" {model.name}_{axis.named('gravity_torque')}"
     )

@@ -17,7 +17,7 @@ from eccentric.presentation.diagnosis_text import (
     tied_families,
     undeclared_parts,
 )
-from eccentric.presentation.fit_json import estimate_entry, gain_entry
+from eccentric.presentation.fit_json import estimate_entry, gain_entry, ranges
 from eccentric.presentation.plan_text import measurement_sentence
 from eccentric.presentation.ranges_text import excluded_causes, possible_causes, range_document
 from eccentric.signals import Channels
@@ -95,6 +95,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
             for o in found.orders
         ],
         "rig_identified": _identified(found),
+        "ranges": ranges(found.channels),
         "holdout": holdout_entry(found.channels),
         "rows": found.channels.counts,
         **({"excerpt": found.channels.excerpt} if found.channels.excerpt else {}),
@@ -153,6 +154,7 @@ def _closest(found: Diagnosis) -> dict[str, Any] | None:
         "balance": best.balance,
         f"rmse_holdout_{_suffix(found)}": {"paper": best.before, "extended": best.after},
         "improvement": gain_entry(best.percent, best.interval),
+        "improvement_below_low_pass": best.below and gain_entry(best.below.percent, best.below.interval),
     }
 
 

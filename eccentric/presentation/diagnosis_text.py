@@ -12,7 +12,7 @@ import numpy as np
 
 from eccentric.core import few
 from eccentric.diagnosis import PROVABLE, ROUNDING, Diagnosis, OverRuns, SearchRequest, only_below
-from eccentric.effects import Correction, Effect
+from eccentric.effects import Effect
 from eccentric.identification import in_drive_unit
 from eccentric.model import DRIVE_PARTS, spoken_quantity
 from eccentric.presentation.calls_text import calls, share_words
@@ -58,20 +58,20 @@ def _verdict(found: Diagnosis) -> str:
     a, axis, unit = found.attribution, found.rig.axis, _unit(found)
     if a.verdict == "named":
         missing = [effect for effect, _ in (*found.effects, *found.undecided)]
+        changed = "Adding" if any(_values(found, effect) is None for effect in missing) else "Correcting"
         these = "it" if len(missing) == 1 else "them"
-        named = " and ".join(_named(found, effect) for effect in missing)
         more = f"{_causes(found)}{_alike(found)}{_grave(found)}"
-        return f"Missing: {named}. {_gain(found, these)}.{more}"
+        return f"{_missing(found, missing)} {_gain(found, f'{changed} {these}')}.{more}"
     if a.verdict == "not_identifiable" and found.clear:
-        clear = " and ".join(_named(found, effect) for effect, _ in found.clear)
+        clear = _missing(found, [effect for effect, _ in found.clear])
         return (
-            f"Missing: {clear}. Also missing is one of these, which this log cannot distinguish:"
-            f" {_tied(found, 'or')}. {_gain(found, 'the first of them')}.{_causes(found)}"
+            f"{clear} Also missing is one of these, which this log cannot distinguish: {_tied(found, 'or')}."
+            f" {_gain(found, 'Adding the first of them')}.{_causes(found)}"
         )
     if a.verdict == "not_identifiable":
         return (
             f"An effect is missing, but this log cannot distinguish between {_tied(found, 'and')}."
-            f" {_gain(found, 'the first')}."
+            f" {_gain(found, 'Adding the first')}."
         )
     if misfit := found.models.misfit:
         return (
@@ -216,21 +216,21 @@ def _listed(names: Sequence[str], last: str = "and") -> str:
     return f" {last} ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
-def _gain(found: Diagnosis, these: str) -> str:
-    """How the held-out error changes when these are added."""
+def _gain(found: Diagnosis, change: str) -> str:
+    """What a change, such as "Adding it", does to the held-out error."""
     score, unit = found.score, _unit(found)
     before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
     of = " of the electrical balance" if score.balance == "electrical" else ""
     if score.below is None or not score.only_below:
-        lowers, change = _lowers(before, after, unit, score.percent, score.interval)
-        return f"Adding {these} {lowers} the held-out error{of} {change}"
+        lowers, by = _lowers(before, after, unit, score.percent, score.interval)
+        return f"{change} {lowers} the held-out error{of} {by}"
     below = score.below
-    lowers, change = _lowers(below.before, below.after, unit, below.percent, below.interval)
+    lowers, by = _lowers(below.before, below.after, unit, below.percent, below.interval)
     goes, why = "goes", ""
     if score.interval[1] < 0.0:
         goes, why = "rises", ", because the low pass removes the acceleration that faster ripple causes"
     return (
-        f"Adding {these} {lowers} the held-out error below {below.cut_hz:g} Hz {change}; row by row it"
+        f"{change} {lowers} the held-out error below {below.cut_hz:g} Hz {by}; row by row it"
         f" {goes} from {before:.4g} to {after:.4g} {unit}{why}"
     )
 
@@ -245,30 +245,35 @@ def _lowers(
     )
 
 
-def _named(found: Diagnosis, effect: Effect) -> str:
-    """A named effect with its probability; for a wrong declaration, the value it should have."""
-    ranked = [c.probability for c in found.attribution.candidates if c.family == effect.family]
-    sure = f"probability {max(ranked, default=0.0):.2f}"
-    values = effect.corrects and _values(found, effect, effect.corrects)
-    if effect.corrects and values:
-        q, (true, declared) = spoken_quantity(found.rig.axis, effect.corrects.quantity), values
-        return (
-            f"the right value of {q.name}: {true:.4g} {q.unit}, the rig file has {declared:.4g}"
-            f" ({effect.id}, {sure}){_or_else(found, effect)}"
-        )
-    headline = effect.words.headline
-    return f"{headline} ({effect.id}, {sure})" if headline else f"{effect.id} ({sure})"
+def _missing(found: Diagnosis, effects: Sequence[Effect]) -> str:
+    """Sentences that name effects, each with its probability: declared values that are wrong come first."""
+    corrections, named = [], []
+    for effect in effects:
+        ranked = [c.probability for c in found.attribution.candidates if c.family == effect.family]
+        sure, headline = f"probability {max(ranked, default=0.0):.2f}", effect.words.headline
+        if effect.corrects and (values := _values(found, effect)):
+            q = spoken_quantity(found.rig.axis, effect.corrects.quantity)
+            true, declared = (f"{x:.4g}{'' if q.unit == '1' else f' {q.unit}'}" for x in values)
+            corrections.append(
+                f"{q.name} should be {true}; the rig file has {declared} ({effect.id},"
+                f" {sure}){_or_else(found, effect)}."
+            )
+        else:
+            named.append(f"{headline} ({effect.id}, {sure})" if headline else f"{effect.id} ({sure})")
+    return " ".join([*corrections, *([f"Missing: {_listed(named)}."] if named else [])])
 
 
 def _or_else(found: Diagnosis, effect: Effect) -> str:
     """What explains the log as well as a wrong declared value does."""
     own, best = found.attribution.adopted_as(effect.id), {c.family: c for c in found.attribution.candidates}
     others = [best[f] for f in own.alike if f in best and f != effect.family] if own else []
-    return "".join(f" or {effect_name(c.words.headline, c.id)}" for c in others)
+    return "".join(f", or missing is {effect_name(c.words.headline, c.id)}" for c in others)
 
 
-def _values(found: Diagnosis, effect: Effect, correction: Correction) -> tuple[float, float] | None:
-    """True and declared value of a quantity; None if the rig does not declare all that this takes."""
+def _values(found: Diagnosis, effect: Effect) -> tuple[float, float] | None:
+    """True and declared value of what an effect corrects; None if it, or the rig, does not tell them."""
+    if (correction := effect.corrects) is None:
+        return None
     fitted = {q.symbol: found.models.extended.values[q.name] for q in effect.parameters}
     letters = {s.name: s for s in correction.value.free_symbols - set(fitted)}
     if not set(letters) <= set(found.rig.known):
@@ -305,11 +310,13 @@ def aliases_of(found: Diagnosis, effect: Effect) -> tuple[str, ...]:
 
 def _causes(found: Diagnosis) -> str:
     """The possible causes of named effects."""
-    every = [
-        ", ".join(cause.name for cause in possible_causes(found, effect))
-        for effect, _ in (*found.effects, *found.clear)
-    ]
-    return "".join(f" Possible causes: {causes}." for causes in every if causes)
+    effects = [effect for effect, _ in (*found.effects, *found.clear)]
+    every = {e.id: [cause.name for cause in possible_causes(found, e)] for e in effects}
+    causes = {name: names for name, names in every.items() if names}
+    if len(causes) > 1:
+        each = (f"{name} may be {_listed(names, 'or')}" for name, names in causes.items())
+        return f" {'; '.join(each)}."
+    return "".join(f" Possible causes: {', '.join(names)}." for names in causes.values())
 
 
 def undeclared_parts(found: Diagnosis) -> tuple[str, ...]:

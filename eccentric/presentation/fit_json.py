@@ -55,6 +55,7 @@ from eccentric.identification import (
 )
 from eccentric.model import TURNING, AxisKind
 from eccentric.rigs import ALIGNMENT, COASTING, alignment_of, knowns_of
+from eccentric.signals import Channels
 
 FORMAT = "eccentric-fit/1"
 
@@ -104,7 +105,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "voltage_known": problem.drive.voltage_known,
         "torque_unit": axis.unit(_torque_unit(fit)),
         "identified_range": identified_range(fit),
-        "ranges": ranges(fit),
+        "ranges": ranges(channels),
         f"rmse_holdout_{axis.unit(problem.unit).replace(' ', '')}": dict(fit.rmse),
         "error_band": None if fit.band is None else vars(fit.band),
         "improvement": gain_entry(fit.percent, fit.percent_interval),
@@ -196,9 +197,8 @@ def _alignment(fit: Fit) -> dict[str, Any]:
     }
 
 
-def ranges(fit: Fit) -> dict[str, list[float] | None]:
+def ranges(channels: Channels) -> dict[str, list[float] | None]:
     """Return the ranges of motor velocity and speed [rad/s] and temperature [degC] of the training rows."""
-    channels = fit.problem.drive.channels
     rows = channels.selection.fit_rows if np.any(channels.selection.fit_rows) else channels.selection.usable
     omega = channels.motion.omega_m[rows]
     temperature = None if channels.temperature is None else channels.temperature[rows]
@@ -215,7 +215,7 @@ def _ends(x: np.ndarray) -> list[float]:
 
 def identified_range(fit: Fit) -> str:
     """Return the range of speed and temperature that the parameters were identified on, in words."""
-    found = ranges(fit)
+    found = ranges(fit.problem.drive.channels)
     low, high = found["omega_m_rad_s"] or [0.0, 0.0]
     slow, fast = found["speed_m_rad_s"] or [0.0, 0.0]
     sides = "both directions" if low < 0.0 < high else "one direction"

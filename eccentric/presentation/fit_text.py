@@ -50,12 +50,13 @@ def fit_sentence(fit: Fit) -> str:
     subject = f"The model {called}" if (called := _called(fit)) != "paper" else f"The {own}"
     low, high = fit.percent_interval
     gain, interval = _percent(fit.percent), f"95 % interval {_percent(low)} to {_percent(high)} %"
+    of_loss = f"95 % interval {_percent(-high)} to {_percent(-low)} %"
     if low > 0.0 and fit.percent >= LEAST_GAIN_PERCENT:
         return f"{subject} has {gain} % lower held-out error than Coulomb + viscous friction ({interval})."
     if high < 0.0 and fit.percent <= -LEAST_GAIN_PERCENT:
         return (
             f"{subject} has {_percent(-fit.percent)} % higher held-out error than "
-            f"Coulomb + viscous friction ({interval} of the gain)."
+            f"Coulomb + viscous friction ({of_loss})."
         )
     if abs(fit.percent) >= LEAST_GAIN_PERCENT:
         return (
@@ -63,9 +64,10 @@ def fit_sentence(fit: Fit) -> str:
             f"({gain} %, {interval})."
         )
     if (low > 0.0 or high < 0.0) and abs(fit.percent) >= _SHOWN_PERCENT:
+        which, interval = ("lower", interval) if low > 0.0 else ("higher", of_loss)
         return (
-            f"{subject} has only slightly {'lower' if low > 0.0 else 'higher'} held-out error than "
-            f"Coulomb + viscous friction ({_percent(abs(fit.percent))} %, {interval} of the gain)."
+            f"{subject} has only slightly {which} held-out error than "
+            f"Coulomb + viscous friction ({_percent(abs(fit.percent))} %; {interval})."
         )
     same = "about the same held-out error as Coulomb + viscous friction"
     return f"{subject} has {same} (gain {gain} %, {interval})."
@@ -127,7 +129,9 @@ def _undetected_lines(fit: Fit) -> list[str]:
         line = f"{name} is not detected: at most {one.upper:.3g} {one.unit} (95 %)"
         line += _because(name, fit.coefficients)
         if one.z is not None:
-            line += f"; {whose} {one.reference:g} would be {one.z:.2g} standard errors from zero"
+            line += (
+                f"; {whose} {one.reference:g} would be {float(f'{one.z:.2g}'):g} standard errors from zero"
+            )
         out.append(line)
     return out
 
@@ -166,7 +170,9 @@ def estimate_table(shown: Mapping[str, Estimate]) -> list[str]:
     table += [
         (name, f"{e.value:.4g}", _error(e), _interval(e), e.unit + _bound(e)) for name, e in shown.items()
     ]
-    return [f"  {line}" for line in aligned(table, left=(0, 4))]
+    lines = [f"  {line}" for line in aligned(table, left=(0, 4))]
+    widened = [name for name, e in shown.items() if e.widened and not e.bound_active]
+    return [*lines, f"  interval widened by a bound: {', '.join(widened)}"] if widened else lines
 
 
 def aligned(rows: Sequence[Sequence[str]], left: Collection[int] = (0,)) -> list[str]:
@@ -183,8 +189,15 @@ def _scale_line(fit: Fit, axis: AxisKind) -> list[str]:
     problem = fit.problem
     if problem.has("scale"):
         names = [name for name in fit.combinations if name not in fit.coefficients]
-        combined = (f"{axis.named(name)} = {fit.combinations[name].value:.4g}" for name in names)
-        return [f"in {axis.term('newton metres')}: {', '.join(combined)}"]
+        found = axis.estimates({name: fit.combinations[name] for name in names})
+        combined = ", ".join(f"{name} = {e.value:.4g} {e.unit}" for name, e in found.items())
+        ((name, one),) = axis.estimates(
+            {c.name: fit.coefficients[c.name] for c in problem.coefficients if c.role == "scale"}
+        ).items()
+        scale = f"{name} = {one.value:.4g} {one.unit}"
+        if problem.unit == "A":
+            scale = f"{axis.named('k_i')} = {1.0 / one.value:.4g} {axis.unit('N m/A')}"
+        return [f"with {scale}, in SI units: {combined}"]
     if problem.scale is not None:
         unit, inertia = axis.term("newton metres"), axis.term("inertia")
         scale = axis.named(str(problem.scale))
@@ -201,9 +214,7 @@ def _error(e: Estimate) -> str:
 
 
 def _bound(e: Estimate) -> str:
-    if e.bound_active:
-        return f"  ({e.bound_active} bound active)"
-    return "  (interval widened by a bound)" if e.widened else ""
+    return f"  ({e.bound_active} bound active)" if e.bound_active else ""
 
 
 def _bounds_line(fit: Fit, axis: AxisKind) -> list[str]:
@@ -211,10 +222,10 @@ def _bounds_line(fit: Fit, axis: AxisKind) -> list[str]:
     if not fit.bounds_active:
         return []
     gain = 100.0 * (1.0 - free / held)
-    at = "its bound" if len(fit.bounds_active) == 1 else "their bounds"
+    at, stays = ("its bound", "it stays") if len(fit.bounds_active) == 1 else ("their bounds", "they stay")
     out = [f"{axis.named(', '.join(fit.bounds_active))}: at {at}"]
     if any(e.widened for e in fit.coefficients.values()):
-        out[0] += "; the standard errors assume that it stays at the bound, the intervals do not"
+        out[0] += f"; the standard errors assume that {stays} there, the intervals do not"
     if gain <= 0.0:
         return out
     text = f"without bounds the held-out RMSE is {free:.4g}"
@@ -279,7 +290,7 @@ def compare(fit: Fit) -> Comparison:
         linear=measured - linear.residual[rows],
         rmse={name: fit.rmse[name] for name in ("paper", "linear")},
         model=axis.term("paper's model") if problem.model.name in model_names() else problem.model.name,
-        quantity="friction" if problem.unit == "N m" else "friction (and back-EMF)",
+        quantity="friction (and back-EMF)" if problem.unit == "V" else "friction",
         unit=axis.unit(problem.unit),
         title=f"{problem.rig.name}: held-out {problem.rows.description}",
         velocity=f"{axis.term('motor velocity')} [{axis.unit('rad/s')}]",

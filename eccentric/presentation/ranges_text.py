@@ -21,7 +21,7 @@ def range_document(check: RangeCheck) -> dict[str, Any]:
     known = check.known
     return {
         "effect": check.effect,
-        "figure": known.name,
+        "figure": known.name.rstrip(","),
         "value": check.value,
         "interval_95": list(check.interval),
         "unit": known.unit,
@@ -51,7 +51,8 @@ def range_line(check: RangeCheck) -> str:
     known, (low, high), unit = check.known, check.interval, _unit(check)
     place = f"{check.outside} the known range" if check.outside else "not outside the known range"
     return (
-        f"{known.name}: {check.value:.3g}{unit} (95 % interval {low:.3g} to {high:.3g}{unit}), {place},"
+        f"{known.name.rstrip(',')}: {check.value:.3g}{unit}"
+        f" (95 % interval {low:.3g} to {high:.3g}{unit}), {place},"
         f" {known.low:.3g} to {known.high:.3g}{unit} ({known.source})"
     )
 

@@ -21,8 +21,9 @@ import numpy as np
 from eccentric.core import few
 from eccentric.diagnosis import BASELINE, Contest, Entry
 from eccentric.emission import InertialLoss, inertial_loss
-from eccentric.model import TURNING, AxisKind, Model, with_values
-from eccentric.presentation.fit_json import finite, gain_entry
+from eccentric.identification import Refit
+from eccentric.model import TURNING, AxisKind, with_values
+from eccentric.presentation.fit_json import finite, gain_entry, ranges
 from eccentric.presentation.fit_text import aligned
 from eccentric.rigs import Rig
 from eccentric.simulation import ModelErrors, Refined, SimulatedErrors, WholeRunErrors
@@ -123,12 +124,14 @@ def refined_warnings(found: Refined | None, axis: AxisKind) -> list[str]:
     return [f"{text}: the fit without it predicts the motion better"]
 
 
-def loss_warnings(models: Mapping[str, tuple[Model, Mapping[str, float]]]) -> list[str]:
-    """Models whose friction takes more of an acceleration than their inertia, by name -> (model, values)."""
+def loss_warnings(fits: Mapping[str, Refit]) -> list[str]:
+    """Models whose friction takes more of an acceleration than their inertia, at the speeds of their log."""
     found = []
-    for name, (model, values) in models.items():
-        own = {q.name: values[q.name] for q in model.parameters if q.name in values}
-        loss = inertial_loss(with_values(model, own, model.name))
+    for name, fit in fits.items():
+        model = fit.model
+        own = {q.name: fit.values[q.name] for q in model.parameters if q.name in fit.values}
+        _, fastest = ranges(fit.data.drive.channels)["speed_m_rad_s"] or (0.0, 1.0)
+        loss = inertial_loss(with_values(model, own, model.name), fastest)
         if loss is not None and not loss.solvable:
             found.append(f"{name}: {loss_sentence(loss, model.axis)}")
     return found

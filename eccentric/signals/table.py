@@ -74,7 +74,7 @@ def hold_out(
     else:
         position = (np.arange(len(t)) / len(t) * limits.HELD_OUT_BLOCKS) % 1.0
         rows = np.abs(position - 0.5) < limits.HELD_OUT_PART / 2.0
-        part = f"{limits.HELD_OUT_PART:.0%} of the rows"
+        part = f"{100 * limits.HELD_OUT_PART:.0f} % of the rows"
         rule = f"{limits.HELD_OUT_BLOCKS} contiguous blocks, {part}, evenly spread"
     return Holdout(rows, rule, _intervals(t, run, rows))
 

@@ -204,8 +204,8 @@ def _difference_of_squares(_: sp.Expr, v: SlopeBound, w: SlopeBound) -> SlopeBou
 
 
 def _bounded(_: sp.Expr, x: SlopeBound, most: SlopeBound) -> SlopeBound:
-    """A value limited to a parameter."""
-    return SlopeBound(sp.Min(x.size, most.size), x.least and ZERO, x.slopes)
+    """A value limited to one on either side of 0: as steep as the steeper of the two."""
+    return SlopeBound(sp.Min(x.size, most.size), x.least and ZERO, _steepest(x, most))
 
 
 def _limited(_: sp.Expr, x: SlopeBound, low: SlopeBound, high: SlopeBound) -> SlopeBound:

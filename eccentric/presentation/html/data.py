@@ -189,7 +189,8 @@ class Conclusion:
         fits_the_rig: whether the log can be from this rig.
         confirmed: whether what fits the training part predicts the held-out part as well.
         clear: what effects are called that nothing else explains, beside a tie.
-        calls: how firmware calls the extended model, where an effect is named; none otherwise.
+        calls: how firmware calls the extended model, where an effect is named, as words and code; none
+            otherwise.
     """
 
     verdict: str
@@ -200,7 +201,7 @@ class Conclusion:
     fits_the_rig: bool = True
     confirmed: bool = True
     clear: tuple[str, ...] = ()
-    calls: tuple[str, ...] = ()
+    calls: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ No other file of the report knows about fits.
 from __future__ import annotations
 
 import math
+import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -319,12 +320,16 @@ def _simulated(found: Diagnosis, simulated: SimulatedErrors | None) -> Iterator[
         )
 
 
-def _calls(found: Diagnosis) -> tuple[str, ...]:
+_CALL = re.compile(r"(?P<words>.*?)(?P<code>\w+\([^()]*\))?$")
+
+
+def _calls(found: Diagnosis) -> tuple[tuple[str, str], ...]:
     """How firmware calls the extended model; none where the answer is a wrong value in the rig file."""
     if found.attribution.verdict != "named" or all(effect.corrects for effect, _ in found.effects):
         return ()
     first, *rest = calls(found)
-    return first.removeprefix("to call: "), *rest
+    lines = (_CALL.match(line) for line in (first.removeprefix("to call: "), *rest))
+    return tuple((one["words"].strip(), one["code"] or "") for one in lines if one)
 
 
 def _candidates(found: Diagnosis) -> Iterator[CandidateRow]:
@@ -429,7 +434,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
         # A coefficient that is inseparable from another is not fitted: the other represents their sum.
         if value is None or (origin == "friction" and estimates and q.name not in estimates):
             continue
-        if q.name in placeholders and origin in {"unseen", "rig"}:
+        if q.name in placeholders - set(estimates) and origin != "effect":
             continue
         fitted = origin in {"effect", "friction", "bench"}
         unit = in_drive_unit(q.unit, found.unit) if fitted else q.unit

@@ -149,9 +149,9 @@ def _key_figures(data: ReportData) -> list[tuple[str, str]]:
         found.append((f"reduction (95 % interval {range_of(own, 3)} %)", f"{number(percent, 3)} %"))
     else:
         found.append(("held-out error", f"{number(paper, 3)} {first.unit}"))
-    adopted = [c.probability for c in data.search.candidates if c.adopted]
-    if adopted:
-        found.append(("probability", f"{min(adopted):.2f}"))
+    adopted = [c for c in data.search.candidates if c.adopted]
+    several = len(adopted) > 1
+    found += [(f"probability{f' of {c.id}' * several}", f"{c.probability:.2f}") for c in adopted]
     if first.noise_floor is not None:
         found.append(("sensor noise", f"{number(first.noise_floor, 3)} {first.unit}"))
     return found

@@ -139,6 +139,7 @@ _SYMBOL = re.compile(
 
 def with_symbols(text: str) -> str:
     """HTML of a sentence: its letters with an index, such as B_lN, are typeset, all else is escaped."""
+    text = text.replace("R^2", "R²")
     found, end = "", 0
     for mark in _SYMBOL.finditer(text):
         if is_letter(mark[0].partition("^")[0]):
