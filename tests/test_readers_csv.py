@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -240,8 +241,10 @@ def test_numbered_columns_are_described_and_mapped(
     ("content", "values"),
     [
         ('t,i\n"0,5","1,25"\n"1,0","2"\n', {"t": [0.5, 1.0], "i": [1.25, 2.0]}),
-        ('t,n\n998,1\n"1,000","2,345.5"\n', {"t": [998.0, 1000.0], "n": [1.0, 2345.5]}),
-        ("t;n;i\n98;-9,5;0,5\n1.000;-1.234,5;1,0\n", {"t": [98, 1e3], "n": [-9.5, -1234.5], "i": [0.5, 1]}),
+        ('t,n\n998,1\n999.5,"2,345.5"\n"1,000",0\n', {"t": [998.0, 999.5, 1000.0], "n": [1.0, 2345.5, 0.0]}),
+        ("t;n;i\n98;-9,5;0,5\n99;-1.234,5;1,0\n", {"t": [98, 99], "n": [-9.5, -1234.5], "i": [0.5, 1]}),
+        ("t;n\n0;0\n1;47,488\n", {"t": [0.0, 1.0], "n": [0.0, 47.488]}),
+        ('t,n\n"0,003",0\n"0,004","1,203"\n', {"t": [0.003, 0.004], "n": [0.0, 1.203]}),
         ("t;n\n0.125;1.234.567\n0.250;2.000\n", {"t": [0.125, 0.25], "n": [1234567.0, 2000.0]}),
         ("t;i\n0,125;1,500\n0,250;2,125\n", {"t": [0.125, 0.25], "i": [1.5, 2.125]}),
         ("t;i\n0.125;1.500\n0.250;2.125\n", {"t": [0.125, 0.25], "i": [1.5, 2.125]}),
@@ -258,12 +261,26 @@ def test_numbers_as_spreadsheets_write_them(
     assert log.units == ({"t": "s", "i": "mA"} if "sec" in content else {})
 
 
-def test_thousands_or_decimals_are_not_guessed(read: Callable[[str], Log]) -> None:
-    """Every value has a comma and three digits behind it: either is possible, so it stays text."""
-    log = read('t,i\n0,"1,234"\n1,"2,345"\n')
+@pytest.mark.parametrize(
+    ("content", "column", "shown"),
+    [
+        ('t,i\n0,"1,234"\n1,"2,345"\n', "i", "'1.234 or 1234'"),
+        ('t,i\n0,0\n1,"2,345"\n', "i", "'2.345 or 2345'"),
+        ("t;i\n1.001;0,01\n1.002;0,02\n", "t", "'1.001 or 1001'"),
+        ("t;i\n98;0,01\n1.002;0,02\n", "t", "'1.002 or 1002'"),
+        ("t;i\n999;1\n1,000;2\n", "t", "'1.000 or 1000'"),
+        ("t\ti\n0.25\t1,234\n0.5\t2,345\n", "i", "'1.234 or 1234'"),
+    ],
+)
+def test_thousands_or_decimals_are_not_guessed(
+    content: str, column: str, shown: str, read: Callable[[str], Log]
+) -> None:
+    """Every sign has three digits behind it, and no other number shows which one it is."""
+    log = read(content)
 
-    with pytest.raises(InputError, match="'1,234'"):
-        log.numbers("i")
+    with pytest.raises(InputError, match=shown):
+        log.numbers(column)
+    assert any(shown.strip("'") in note for note in log.notes)
 
 
 @pytest.mark.parametrize(
@@ -353,13 +370,27 @@ def test_chinese_names_in_their_own_encoding(tmp_path: Path) -> None:
     assert list(read_log(path).columns) == ["Größe", "Öl für Äste °"]
 
 
-def test_thousands_are_read_alike_in_parts(tmp_path: Path) -> None:
-    """The first of them is far behind the rows that show how a file is written."""
+@pytest.mark.parametrize(
+    ("row", "same"),
+    [
+        (lambda k: f"{k / 1000:.3f};0,{k % 10}5", True),
+        (lambda k: f'{k + 0.5:,};"{k % 7}"', True),
+        (lambda k: f"{k / 8}".replace(".", ",") + f";{k:,}".replace(",", "."), False),
+        (lambda k: f"{k};{k * 1000:,}".replace(",", "."), False),
+        (lambda k: f"{k};" + ("0" if k < 2000 else f"{k * 1000:,}".replace(",", ".")), False),
+    ],
+    ids=["milliseconds", "point", "other columns", "later groups", "zeros first"],
+)
+def test_thousands_are_read_alike_in_parts(row: Callable[[int], str], same: bool, tmp_path: Path) -> None:
+    """Where the first rows do not show how a column is written, it is refused, and never read otherwise."""
     path = tmp_path / "log.csv"
-    path.write_text(
-        "t;i\n" + "".join(f"{k:,};0,{k % 10}5\n".replace(",", ".", k >= 1000) for k in range(3000))
-    )
+    path.write_text("t;i\n" + "".join(f"{row(k)}\n" for k in range(3000)))
+    whole, parts = read_log(path), stream_log(path)
 
-    assert read_log(path).numbers("t").tolist() == list(range(3000))
-    parts = stream_log(path).batches(["t"], [(0, 3000)])
-    assert np.concatenate([part.columns["t"] for part in parts]).tolist() == list(range(3000))
+    for name in whole.columns:
+        found = []
+        for log in (whole, parts.read([name])):
+            with suppress(InputError):
+                found.append(log.numbers(name).tolist())
+        assert found == found[:1] * len(found)
+        assert len(found) == 2 or not same

@@ -38,13 +38,13 @@ from eccentric.logs.layout import (
     POINT,
     Layout,
     cells_to_column,
-    has_decimal_commas,
     is_content,
     is_number,
     is_prose,
     layout_of,
     plain_column,
     rows_of,
+    signs_of,
     units_row,
 )
 
@@ -112,7 +112,8 @@ def csv_source(path: Path) -> InParts | None:
     sample = (
         row for _, row in rows_of(_first_lines(path, before + limits.SAMPLE_ROWS)[before:], layout.delimiter)
     )
-    points = _has_points(layout, list(itertools.zip_longest(*sample, fillvalue="")))
+    # Decided once, as for the whole: what follows and does not agree is text.
+    signs = signs_of(list(itertools.zip_longest(*sample, fillvalue="")), layout.delimiter)
 
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
         chosen, at = [header.index(name) for name in names], 0
@@ -125,8 +126,7 @@ def csv_source(path: Path) -> InParts | None:
                     found = _rectangular(block[first - at : end - at], layout, path)
                     values = list(zip(*(row for _, row in found), strict=True))
                     columns = {
-                        name: plain_column(values[k], decimal_comma=layout.delimiter != ",", points=points)
-                        for name, k in zip(names, chosen, strict=True)
+                        name: plain_column(values[k], signs[k]) for name, k in zip(names, chosen, strict=True)
                     }
                     yield Part(first, columns, np.array([line for line, _ in found], dtype=np.int64))
                 at += len(block)
@@ -234,23 +234,16 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
     units = units_row(header, *(row for _, row in found[:2])) if len(found) > 1 else {}
     found = _rectangular(found[1:] if units else found, layout, path)
     values = list(zip(*(row for _, row in found), strict=True))
-    points = _has_points(layout, values)
+    signs = signs_of(values, layout.delimiter)
     lines = np.array([line for line, _ in found], dtype=np.int64)
     columns: dict[str, Column] = {}
     notes: list[str] = []
     units = {**layout.units, **units}
-    for name, cells in zip(header, values, strict=False):
-        columns[name], unit, note = cells_to_column(
-            name, cells, decimal_comma=layout.delimiter != ",", points=points
-        )
+    for name, cells, sign in zip(header, values, signs, strict=False):
+        columns[name], unit, note = cells_to_column(name, cells, sign)
         notes += [note] if note else []
         units |= {name: unit} if unit else {}
     return Read(columns, lines, tuple(notes), units)
-
-
-def _has_points(layout: Layout, columns: Sequence[Sequence[str]]) -> bool:
-    """Whether points can separate thousands: some column has decimal commas."""
-    return layout.delimiter != "," and any(map(has_decimal_commas, columns))
 
 
 def _all_numbers(lines: Sequence[str], layout: Layout) -> NDArray[np.float64] | None:
