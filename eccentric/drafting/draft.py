@@ -32,7 +32,7 @@ from eccentric.drafting.drives import (
     with_direction,
     without_sign,
 )
-from eccentric.drafting.joints import joint_of
+from eccentric.drafting.joints import joint_called, joint_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.questions import added_asked, entries_of, facts_of, line_asked, one_way, turns_asked
@@ -128,7 +128,7 @@ def draft_of(log: Log) -> Draft:
         | {c.text for c in flags}
         | ({temperature.source, *temperature.reads} if temperature else set())
     )
-    left_out = {n: f"of joint {key}; joint {joint.key} is drafted" for n, key in joint.others.items()}
+    left_out = {n: f"of {joint_called(key)}; {joint_called(joint.key)} is drafted" for n, key in joint.others.items()}
     left_out |= {n: CONSTANT for n, c in left.items() if c.is_constant and n not in taken}
     left_out |= {n: _BY_RUN for n, c in left.items() if n not in taken and _is_of_runs(c, ends)}
     left_out |= {name: why for name, entries in texts.items() if (why := _spoilt(log, name, entries))}
