@@ -301,19 +301,48 @@ def test_the_words_of_a_comment_are_no_names(comment: str, read: Callable[[str],
     assert list(read(f"{comment}\n{rows}").columns) == [f"column_{k + 1}" for k in range(width)]
 
 
-@pytest.mark.parametrize("key", ["joint", "motor id"])
-def test_a_row_for_every_joint_at_every_time(key: str, read: Callable[[str], Log]) -> None:
-    """Long tables become a column for each joint and value; a mode that alternates stays one."""
-    names = ["hip", "knee"] if key == "joint" else ["1", "2"]
-    rows = "".join(f"{k},{names[j]},{10 * k + j},{k}\n" for k in range(20) for j in range(2))
-    log = read(f"t,{key},q,i\n{rows}")
+@pytest.mark.parametrize(
+    ("key", "first"), [("joint", "hip"), ("motor id", "motor 1"), ("node_id", "node 1"), ("id", "joint 1")]
+)
+@pytest.mark.parametrize(("lost", "apart"), [(0, 0.0), (1, 0.0), (0, 0.5)])
+def test_a_row_for_every_joint_at_every_time(
+    key: str, first: str, lost: int, apart: float, read: Callable[[str], Log]
+) -> None:
+    """Long tables become a column for each joint and value; a mode that alternates stays one.
 
-    first = names[0] if key == "joint" else f"{key} 1"
-    assert log.numbers(f"{first}/q").tolist() == [10.0 * k for k in range(20)]
-    assert log.rows == 20
+    Also where the logger was stopped before the last row, or every row has a time of its own.
+    """
+    names = ["hip", "knee"] if key == "joint" else ["1", "2"]
+    rows = [f"{k + apart * j},{names[j]},{10 * k + j},{k}\n" for k in range(20) for j in range(2)]
+    log = read(f"t,{key},q,i\n{''.join(rows[: 40 - lost])}")
+
+    # The first of the first joint is before the others', the last of the last without one.
+    first_at, whole = int(apart > 0.0), 20 - max(lost, apart > 0.0)
+    assert log.numbers(f"{first}/q").tolist() == [10.0 * (k + first_at) for k in range(whole)]
+    assert {name.rpartition("/")[2] for name in log.columns} == {"t", "q", "i"}
+    assert log.rows == whole
+    steps = "".join(f"{k},{k},{k % 3}.25\n" for k in range(40))
+    assert list(read(f"t,q,motor speed\n{steps}").columns) == ["t", "q", "motor speed"]
 
     modes = "".join(f"{k},{'ab'[k % 2]},{k},{k}\n" for k in range(40))
     assert list(read(f"t,mode,q,i\n{modes}").columns) == ["t", "mode", "q", "i"]
+
+
+@pytest.mark.parametrize(
+    ("above", "row"),
+    [
+        ("# t, angle of link, motor:speed\n", "{:.1f},{}.5,{}.25\n"),
+        ("# t, angle of link, motor:speed\n", "{:.1f} {}.5 {}.25\n"),
+        ("| t | angle of link | motor:speed |\n|---|:--:|--:|\n", "| {:.1f} | {}.5 | {}.25 |\n"),
+    ],
+)
+def test_names_in_a_comment_or_in_markdown(above: str, row: str, read: Callable[[str], Log]) -> None:
+    """As `numpy.savetxt` and tables of notes write them; names may have words of sentences."""
+    log = read(above + "".join(row.format(0.1 * k, k, k % 5) for k in range(30)))
+
+    assert list(log.columns) == ["t", "angle of link", "motor:speed"]
+    assert log.rows == 30
+    assert not log.units
 
 
 def test_settings_of_two_cells_above_a_wider_table(read: Callable[[str], Log]) -> None:
@@ -365,6 +394,9 @@ def test_chinese_names_in_their_own_encoding(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_bytes("时间(s),角度(deg)\n0,1\n1,2\n".encode("gb2312"))
     assert list(read_log(path).columns) == ["时间(s)", "角度(deg)"]
+
+    path.write_bytes("µµ,²²\n0,1\n1,2\n".encode("latin-1"))
+    assert list(read_log(path).columns) == ["µµ", "²²"]
 
     path.write_bytes("Größe,Öl für Äste °\n0,1\n1,2\n".encode("latin-1"))
     assert list(read_log(path).columns) == ["Größe", "Öl für Äste °"]

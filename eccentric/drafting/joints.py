@@ -85,8 +85,8 @@ def joint_of(columns: Mapping[str, LoggedColumn], grid: Grid) -> JointColumns:
         best = max(move, key=lambda key: _explained(grid, by[key], common))
     also = [key for key in move if key != best]
     doubt = (
-        f"{joint_called(best)} is drafted, {few(also)} move{'s' if len(also) == 1 else ''} as well: a rig has one;"
-        " --arm reads all joints of an arm"
+        f"{joint_called(best)} is drafted, {few(also)} move{'s' if len(also) == 1 else ''} as well:"
+        " a rig has one; --arm reads all joints of an arm"
     )
     others = {name: key for name, key in of.items() if key != best}
     own = frozenset(name for name, key in of.items() if key == best)

@@ -324,15 +324,19 @@ def _named(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
                 for name, own in zip(called, rows, strict=True)
             ]
         kept = _cycles(columns[time], which, len(kinds))
-        if kept is None and not (_JOINT.search(key) and changes > 0.5 * len(names)):
-            continue  # a mode or a direction that changes often is of one machine
+        whole = bool(texts) or all(float(kind).is_integer() for kind in kinds)
+        if kept is None and not (whole and _MACHINE.fullmatch(key) and changes > 0.5 * len(names)):
+            continue  # a mode, a direction or a speed in steps that changes often is of one machine
         # Without its "id", which says of no quantity what it is.
         machine = _ID.sub("", key).strip(" _-.") or "joint"
         return time, [
             Recorded(f"{name}/{value}", columns[time][own], columns[value][own])
             for k, kind in enumerate(kinds)
             for name, own in [
-                (str(kind) if texts else f"{machine} {kind:g}", (which == k) & (True if kept is None else kept))
+                (
+                    str(kind) if texts else f"{machine} {kind:g}",
+                    (which == k) & (True if kept is None else kept),
+                )
             ]
             for value in values
         ]
@@ -350,6 +354,11 @@ def _cycles(t: Column, which: NDArray[np.int64], kinds: int) -> Mask | None:
 
 _JOINT = re.compile(r"(?<![a-z])(id|joint|motor|axis|servo|actuator|device|node)(?![a-z])", re.IGNORECASE)
 """What a column is called that says of which of several machines a row is."""
+_MACHINE = re.compile(
+    r"(id|(joint|motor|axis|servo|actuator|device|node)([\s_.-]*(id|no|nr|number|index|name))?)",
+    re.IGNORECASE,
+)
+"""The whole name of a column that can say nothing else."""
 _ID = re.compile(r"(?<![a-z])id(?![a-z])", re.IGNORECASE)
 
 

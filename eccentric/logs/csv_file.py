@@ -75,6 +75,8 @@ def read_text(whole: str, path: Path) -> Read:
     rows = 1 + max(whole.count("\n"), whole.count("\r"))
     require_room_for_text(path, whole, rows, rows + sum(map(whole.count, ",;\t")))
     text = io.StringIO(whole, newline="").readlines()
+    if _is_markdown(text[: limits.LAYOUT_LINES]):
+        text = ["\n" if _RULE.fullmatch(line) else line.strip().strip("|") + "\n" for line in text]
     with _csv_errors(path):
         layout = _start(path, text)
         read = _of_rows(path, text, layout)
@@ -102,10 +104,11 @@ def csv_source(path: Path) -> InParts | None:
     """
     try:
         with _csv_errors(path):
-            layout = _start(path, _first_lines(path, limits.LAYOUT_LINES))
-            if layout.clocks or layout.units or not _plain(path, layout):
+            lines = _first_lines(path, limits.LAYOUT_LINES)
+            layout = _start(path, lines)
+            if _is_markdown(lines) or layout.clocks or layout.units or not _plain(path, layout):
                 return None
-        lines = _lines(path)
+        rows = _lines(path)
     except UnicodeDecodeError:
         return None
     header, before = layout.names, layout.before
@@ -131,7 +134,15 @@ def csv_source(path: Path) -> InParts | None:
                     yield Part(first, columns, np.array([line for line, _ in found], dtype=np.int64))
                 at += len(block)
 
-    return InParts(header, lines - before, parts, layout.notes)
+    return InParts(header, rows - before, parts, layout.notes)
+
+
+_RULE = re.compile(r"\s*\|?(\s*:?-{2,}:?\s*\|)+(\s*:?-{2,}:?)?\s*")
+"""The line below the header of a table in Markdown."""
+
+
+def _is_markdown(lines: Sequence[str]) -> bool:
+    return any(map(_RULE.fullmatch, lines))
 
 
 def _first_lines(path: Path, most: int) -> list[str]:
@@ -211,9 +222,9 @@ def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
     # numpy.savetxt writes the column names as a comment.
     if comment.strip() and _only_numbers(first := _cells(line, delimiter)):
         names = _cells(comment, delimiter)
-        if len(names) != len(first):
+        if at_blanks := len(names) != len(first):
             names = comment.split()
-        if len(names) == len(first) and not is_prose(comment):
+        if len(names) == len(first) and not is_prose(comment, at_blanks=at_blanks):
             return names, delimiter, True
     return _cells(line, delimiter), delimiter, False
 
@@ -269,7 +280,9 @@ def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
         with suppress(UnicodeDecodeError):
             # Of two bytes above 0xA0 each, and of the usual Chinese characters: no text in Latin-1 is.
             text = text_of(path, "gb2312")
-            if all(c.isascii() or c.encode("gb2312") < b"\xd8" for c in set(text)):
+            # Nor is a text of signs such as two micros, which would be one of them.
+            signs = {byte for byte in error.object if byte > 0x7F} <= {*"°±²³µ·".encode("latin-1")}
+            if not signs and all(c.isascii() or c.encode("gb2312") < b"\xd8" for c in set(text)):
                 return text, ("read as GB 2312, since it is no UTF-8",)
         text = text_of(path, "cp1252")  # raises where Latin-1 of Windows has no character
         if _NO_TEXT.search(text):

@@ -282,6 +282,7 @@ _PROSE = re.compile(
     r"[:=]\s*\S|\d{4}-\d\d-\d\d|\b(of|with|the|and|for|from|is|by|some|this|mit|der|die|das|und|von|für)\b",
     re.IGNORECASE,
 )
+_SETTING_OR_DATE = re.compile(r"[:=]\s*[-+.\d]|\d{4}-\d\d-\d\d")
 _NAMED = re.compile(r"[^\W\d]\w*\s*[:=]\s*[-+]?[\d.]")
 
 
@@ -330,7 +331,10 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     above = [
         (k, [cell.strip() for cell in cells])
         for k, line in enumerate(lines[:first], start=1)
-        if not (line.startswith("#") and is_prose(line))
+        if not (
+            line.startswith("#")
+            and is_prose(line, at_blanks=delimiter == BLANKS and line.count(",") != width - 1)
+        )
         for cells in _cells_above(line.lstrip("# \t") if line.startswith("#") else line, delimiter, width)
     ]
     found = _labelled(above, width) or _header(above, rows)
@@ -365,15 +369,18 @@ def is_content(line: str) -> bool:
 
 def _cells_above(line: str, delimiter: str, width: int) -> list[list[str]]:
     """The cells of a line above a table: where blanks separate them, names may have single blanks in them."""
-    apart = re.split(r"\t|\s{2,}", line.strip())
-    if delimiter == BLANKS and len(apart) == width > 1:
-        return [apart]
+    for apart in (re.split(r"\t|\s{2,}", line.strip()), line.split(",")):
+        if delimiter == BLANKS and len(apart) == width > 1:
+            return [apart]
     return [cells for _, cells in rows_of([line], delimiter)]
 
 
-def is_prose(comment: str) -> bool:
-    """Whether a comment is a sentence, a date or a setting, whose words are no names of columns."""
-    return bool(_PROSE.search(comment))
+def is_prose(comment: str, *, at_blanks: bool) -> bool:
+    """Whether a comment is a sentence, a date or a setting, whose words are no names of columns.
+
+    Names between commas may have such words, as "angle of link" has; those `at_blanks` are words alone.
+    """
+    return bool((_PROSE if at_blanks else _SETTING_OR_DATE).search(comment))
 
 
 def has_rows(lines: Sequence[str]) -> bool:

@@ -74,7 +74,7 @@ def hold_out(
     else:
         position = (np.arange(len(t)) / len(t) * limits.HELD_OUT_BLOCKS) % 1.0
         rows = np.abs(position - 0.5) < limits.HELD_OUT_PART / 2.0
-        part = f"{limits.HELD_OUT_PART:.0%} of the rows"
+        part = f"{100 * limits.HELD_OUT_PART:.0f} % of the rows"
         rule = f"{limits.HELD_OUT_BLOCKS} contiguous blocks, {part}, evenly spread"
     return Holdout(rows, rule, _intervals(t, run, rows))
 
@@ -286,7 +286,9 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         first = log.place(row) + log.spoilt(most, row)
         what = f"no number in {rejected} of {log.rows} rows (first: {first}; most: {most!r})"
         if rejected > limits.MOST_REJECTED * log.rows:
-            raise InputError(log.path, problem=f"{what}; at most {limits.MOST_REJECTED:.0%} may be missing")
+            raise InputError(
+                log.path, problem=f"{what}; at most {100 * limits.MOST_REJECTED:.0f} % may be missing"
+            )
         severity = "warning" if rejected > limits.MUCH_LOST * log.rows else "note"
         findings.append(
             Finding("missing", worst, f"{log.path}: {what}: such rows are dropped", rejected, severity)
