@@ -61,7 +61,7 @@ def find_drives(
     for column in could:
         if named and column not in named:
             left_out[column.text] = (
-                f"its name does not suggest a drive signal, as {few([c.text for c in named], 2)} does"
+                f"its name does not suggest a drive signal, that of {few([c.text for c in named], 2)} does"
             )
             continue
         if column.varies <= limits.HARDLY:
@@ -250,7 +250,7 @@ def _kind(column: LoggedColumn, balance: Explained) -> Driven:
     told = [
         f"{words} {shares[term]:.2f}"
         for term, words in (
-            ("friction", "sign of the speed"),
+            ("friction", "sign of speed"),
             ("speed", "speed"),
             ("inertia", "acceleration"),
             ("gravity", "angle under gravity"),

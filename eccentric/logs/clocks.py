@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.core import InputError, few
+from eccentric.core import InputError, counted, few
 from eccentric.logs import limits
 from eccentric.logs.assemble import Column, Read
 from eccentric.logs.units import seconds_in
@@ -253,7 +253,10 @@ def of_topics(read: Read, path: Path) -> Read:
     by_name = _named(read.columns)
     if by_name is not None:
         time, channels = by_name
-        return _joined(read, channels, path, time, "rows of several channels, each named in its row")
+        lost = len(read.columns[time]) - sum(len(c.time) for c in channels) // (len(read.columns) - 2)
+        what = "rows of several channels, each named in its row"
+        what += f"; {counted(lost, 'row')} left out, whose time has none of the others" if lost else ""
+        return _joined(read, channels, path, time, what)
     by_gaps = _sparse(read.columns)
     if by_gaps is not None:
         time, channels = by_gaps
