@@ -470,7 +470,7 @@ def _determined(fit: Any, rig: Rig, drive: str) -> list[str]:
         lines.append(f"{value}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
     lines += [f"{axis.named(name)}: estimated along with the fit" for name in sorted(rig.estimate)]
     # What follows from the case, and the usual g, nobody needs to have written.
-    usual = {"g"} if rig.known.get("g") == float(vocabulary.g.default) else set[str]()
+    usual = {"g"} if rig.known.get("g") == float(vocabulary.g.default or "nan") else set[str]()
     by_default = usual | ({"phi"} if rig.case else set())
     given = [axis.named(k.name) for k in knowns_of(axis) if k.name in rig.known and k.name not in by_default]
     return [*lines, f"taken from the rig file: {few(given)}"] if given else lines

@@ -408,11 +408,7 @@ def with_direction(proposals: Sequence[Proposal], columns: Mapping[str, LoggedCo
     def doubt(p: Proposal) -> str:
         if p.channel.startswith(("current", "torque")):
             return f"{never}: its sign is missing where the drive brakes"
-        product = (
-            f'multiply it, as in "{quoted(p.source)} * {factor}"'
-            if factor
-            else "multiply it by that, 1 or -1"
-        )
+        product = f'multiply it, as in "{quoted(p.source)} * {factor}"' if factor else "multiply by -1 or 1"
         return f"{never}: if that is its sign, {product}"
 
     return [p.doubted(doubt(p)) if _is_size(p, columns) else p for p in proposals]

@@ -238,7 +238,7 @@ def find_clock(
     if column.name.quantity not in ("time", ""):
         doubts.append(f"its name says {column.name.quantity}")
     if _is_counter(column.name):
-        doubts.append(f"a counter by its name, taken for {unit}: if it counts rows, give the rate")
+        doubts.append(f"a counter? taken in {unit}; if it counts rows, give the rate")
     elif likely[unit] < limits.SURE:
         second = sorted(likely, key=lambda one: -likely[one])[1]
         doubts.append(

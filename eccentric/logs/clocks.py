@@ -255,7 +255,7 @@ def of_topics(read: Read, path: Path) -> Read:
         time, channels = by_name
         lost = len(read.columns[time]) - sum(len(c.time) for c in channels) // (len(read.columns) - 2)
         what = "rows of several channels, each named in its row"
-        what += f"; {counted(lost, 'row')} left out, whose time has none of the others" if lost else ""
+        what += f"; left out: {counted(lost, 'incomplete row')}" if lost else ""
         return _joined(read, channels, path, time, what)
     by_gaps = _sparse(read.columns)
     if by_gaps is not None:

@@ -77,9 +77,9 @@ def signs_of(columns: Sequence[Sequence[str]], delimiter: str) -> list[Sign]:
 
 def _sign(cells: Sequence[str], own: set[str], table: set[str], delimiter: str) -> Sign:
     if len(own) == 1:
-        return Sign(*own, proved=True)
+        return Sign(next(iter(own)), proved=True)
     if table:
-        return Sign(*table) if len(table) == 1 and not own else Sign("")
+        return Sign(next(iter(table)) if len(table) == 1 and not own else "")
     others = [number_of(cell) for cell in _given(cells) if "," not in cell]
     # Semicolons and tabs are written where the comma is taken; a zero may stand without its decimals.
     return Sign("") if delimiter == "," or any(others) else Sign(",", assumed=True)
@@ -119,7 +119,7 @@ def _with_point(cell: str, sign: Sign) -> str:
         if shown == sign.decimal or not sign.decimal:
             return plain
         # Of a part of a log, whose first rows showed the other sign; a decimal comma is told as such.
-        return cell if "." not in cell else f"{plain}{EITHER}another number, by its decimal sign"
+        return cell if "." not in cell else f"{plain}{EITHER}another"
     if found := _groups(cell):
         of, plain = found[0], cell.strip().replace(",", ".")
         whole = plain.replace(".", "")
@@ -161,7 +161,7 @@ def _said(name: str, given: Sequence[str], sign: Sign) -> str:
     apart = next((of for _, (of, sure) in grouped if sure or sign.decimal != of), None)
     if apart is not None:
         return f"{name}: {apart!r} separates thousands"
-    return f"{name}: ',' is taken for the decimal sign, as in {grouped[0][0]}" if sign.assumed else ""
+    return f"{name}: {grouped[0][0]} taken as {_with_point(grouped[0][0], sign)}" if sign.assumed else ""
 
 
 def plain_column(cells: Sequence[str], sign: Sign) -> Column:
