@@ -456,7 +456,7 @@ LOGS = {
             [rows[0]]
             + [r if k % 3 else ",".join(["nan"] * r.count(",") + ["nan"]) for k, r in enumerate(rows[1:])]
         ),
-        "at most 20% may be missing",
+        "at most 20 % may be missing",
     ),
 }
 

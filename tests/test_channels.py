@@ -150,7 +150,7 @@ def test_a_row_that_is_missing_is_an_uneven_step_and_a_blank_one_is_told_as_that
     blank["current_A"][2000] = np.nan
     both = {name: np.delete(x, 1000) for name, x in blank.items()}
     uneven, dropped = (
-        "time steps are uneven ({} differ by more than 20% from the usual 0.004 s)",
+        "time steps are uneven ({} differ by more than 20 % from the usual 0.004 s)",
         "no number in 1",
     )
 

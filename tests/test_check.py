@@ -180,3 +180,20 @@ def test_a_column_that_is_constant_in_each_run_is_hinted_at() -> None:
     columns["torque"] = "0.03 * current_A - load_g * 1e-4"
     found = eccentric.fit(log, {"drive": "torque", "columns": columns, "known": KNOWN})
     assert found.estimates["J"].value == pytest.approx(2e-5, rel=0.02)
+
+
+@pytest.mark.parametrize(("travel", "named"), [(0.2, False), (1.2, True)])
+def test_gravity_is_judged_within_the_travel(travel: float, named: bool) -> None:
+    """Over 0.4 rad a load that falls with the angle fits as gravity of 10 N m, of which 0.2 N m was seen."""
+    t = np.arange(0.0, 40.0, 4e-3)
+    angle = travel * np.sin(0.9 * t) + 0.1 * travel * np.sin(3.1 * t)
+    speed = np.gradient(angle, t)
+    load = 10.0 * (np.cos(angle) - 1.0) if not named else 1.5 * np.sin(angle)
+    noise = np.random.default_rng(2).normal(0.0, 2e-3, len(t))
+    torque = 0.05 * np.tanh(speed / 0.01) + 0.02 * speed + load + noise
+    log = {"time_s": t, "theta_m_rad": angle, "torque_Nm": torque}
+    said = eccentric.check_rig(log, {"drive": "torque", "known": KNOWN})
+
+    assert named == any("contains a gravity torque of 1.5 N m" in str(line) for line in said.complaints)
+    assert len(said.complaints) == named
+    assert named or "taken from the rig file: M, L, mu" in said.summary()

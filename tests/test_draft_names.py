@@ -200,6 +200,11 @@ def test_columns_left_out_for_one_reason_share_a_line() -> None:
         ("实际位置(deg)", "angle", "measured"),
         ("Stellgröße", "voltage", ""),
         ("Drehrichtung", "direction", ""),
+        ("x direction position", "angle", ""),
+        ("direction speed", "speed", ""),
+        ("z-direction force", "torque", ""),
+        ("forward direction current", "current", ""),
+        ("motor direction", "direction", ""),
     ],
 )
 def test_a_name_says_where_a_column_comes_from(text: str, quantity: str, role: str) -> None:
@@ -245,19 +250,29 @@ def test_angle_and_speed_are_of_one_sensor(names: dict[str, str], wanted: tuple[
     assert told == tuple(names.get(what, "") for what in wanted)
 
 
-def test_a_speed_and_a_drive_without_signs_beside_a_direction() -> None:
-    """The doubt gives the arithmetic that puts the sign back, and a rig file with it is right."""
+@pytest.mark.parametrize(
+    ("levels", "factor"),
+    [
+        ((0, 1), "(2 * dir - 1)"),
+        ((1, 2), "(2 * (dir - 1) - 1)"),
+        ((-2, 2), "(0.5 * (dir + 2) - 1)"),
+        ((-1, 1), "dir"),
+    ],
+)
+def test_a_speed_and_a_drive_without_signs_beside_a_direction(levels: tuple[int, int], factor: str) -> None:
+    """The doubt gives the arithmetic that puts the sign back: -1 for the lower level, 1 for the upper one."""
     b = bare()
     log = {
         "t_s": b["time"],
         "rad/s": abs(b["speed"]),
-        "dir": 1.0 * (b["speed"] > 0.0),
+        "dir": np.where(b["speed"] > 0.0, levels[1], levels[0]).astype(float),
         "mA": 1e3 * abs(b["torque"]),
     }
     draft = eccentric.draft_rig(log)
 
     (doubt,) = [p.doubt for p in draft.proposals if p.channel.startswith("omega")]
-    assert '"`rad/s` * (2 * dir - 1)"' in doubt
+    assert f'"`rad/s` * {factor}"' in doubt
+    assert [-1.0, 1.0] == [eval(factor, {"dir": float(level)}) for level in levels]  # noqa: S307
     assert any("its sign is missing" in p.doubt for p in draft.proposals if p.channel == "current")
 
 
@@ -281,6 +296,23 @@ def test_the_temperature_is_that_of_the_motor_and_of_its_joint() -> None:
         "Motor Temp (F)": 1.8 * warm + 32.0,
     }
     assert channels(eccentric.draft_rig(american))["temperature"] == "(`Motor Temp (F)` - 32) / 1.8"
+    filtered = {("temp_f" if name == "Motor Temp (F)" else name): x for name, x in american.items()}
+    assert channels(eccentric.draft_rig(filtered))["temperature"] == "temp_f"
+
+
+@pytest.mark.parametrize("name", ["tick", "ticks", "clock"])
+def test_a_counter_is_no_time_beside_a_rate(name: str) -> None:
+    """Alone it may be one, with a doubt; a column that is called a time leaves no place for a rate."""
+    b = bare()
+    log = {name: np.arange(len(b["time"])) * 1.0, "q_rad": b["angle"], "i_A": b["torque"]}
+
+    rated = eccentric.draft_rig(log, rate_hz=250.0)
+    assert (250.0, False) == (tomllib.loads(rated.text)["sample_rate_hz"], "time" in channels(rated))
+    (time,) = [p for p in eccentric.draft_rig(log).proposals if p.channel == "time"]
+    assert "counter" in time.doubt
+    for other in ("t", "time", "tick_ms"):
+        with pytest.raises(InputError, match="leave the rate out"):
+            eccentric.draft_rig({other: log[name], **log}, rate_hz=250.0)
 
 
 def test_a_torque_sensor_of_no_joint_is_asked_about() -> None:

@@ -199,8 +199,8 @@ def test_a_draft_is_a_rig_file_with_its_evidence(arm: BenchResult) -> None:
         assert lines[at - 1].startswith("#")
     said = " ".join(line.removeprefix("#").strip() for line in lines)
     assert (
-        "the acceleration 0."
-        in said.split("current by its name")[1].split("(standard deviations over its own")[0]
+        ", acceleration 0."
+        in said.split("current by its name")[1].split("shares of its standard deviation: ")[1]
     )
 
 

@@ -321,7 +321,7 @@ def bad(change: str) -> Columns:
         ("again", r"time starts again at row 100001: each recording is a run.* run = \.\.\. in \[columns\]"),
         ("run", "row 100001: expected contiguous runs, got 'first' again"),
         ("size", r"row \d+, column 'torque_Nm' \(torque\): expected at most 1e\+12 N m"),
-        ("numbers", r"no number in 30000 of 120000 rows \(first: row 1\); at most 20% may be missing"),
+        ("numbers", r"no number in 30000 of 120000 rows \(first: row 1\); at most 20 % may be missing"),
     ],
 )
 def test_a_bad_row_deep_in_a_long_log_is_named(change: str, said: str) -> None:

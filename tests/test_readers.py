@@ -83,6 +83,10 @@ BAD_JSON = {
     "empty": ('{"entries": []}', "expected a JSON log with a list of entries, got keys 'entries'"),
     "number": ("3", "expected a JSON object with a list of entries, got 3"),
     "cut": ('{"entries": [{"t": 1', "line 1, column 21: expected valid JSON, got the end of the file"),
+    "cut line": (
+        '{"t": 1}\n{"t": 2}\n{"t": 3}\n{"t":',
+        "line 4, column 6: expected valid JSON, an object in each line, got the end of the line (cut off?)",
+    ),
     "deep": ("[" * 100_000, "with a list of entries, got lists nested too deep"),
     "digits": (
         '{"entries": [{"t": ' + "1" * 5000 + "}]}",
@@ -100,6 +104,13 @@ def test_json_that_is_no_log_is_refused(tmp_path: Path, name: str) -> None:
         read_log(tmp_path / "log.json")
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_separator_inside_a_text_ends_no_line_of_json(tmp_path: Path) -> None:
+    """U+2028 ends a line of Unicode, and none of a file."""
+    (tmp_path / "log.json").write_text('{"t": 1, "s": "a\u2028b"}\n{"t": 2, "s": "c"}\n', encoding="utf-8")
+
+    assert read_log(tmp_path / "log.json").numbers("t").tolist() == [1.0, 2.0]
 
 
 # Parquet

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -240,8 +241,10 @@ def test_numbered_columns_are_described_and_mapped(
     ("content", "values"),
     [
         ('t,i\n"0,5","1,25"\n"1,0","2"\n', {"t": [0.5, 1.0], "i": [1.25, 2.0]}),
-        ('t,n\n998,1\n"1,000","2,345.5"\n', {"t": [998.0, 1000.0], "n": [1.0, 2345.5]}),
-        ("t;n;i\n98;-9,5;0,5\n1.000;-1.234,5;1,0\n", {"t": [98, 1e3], "n": [-9.5, -1234.5], "i": [0.5, 1]}),
+        ('t,n\n998,1\n999.5,"2,345.5"\n"1,000",0\n', {"t": [998.0, 999.5, 1000.0], "n": [1.0, 2345.5, 0.0]}),
+        ("t;n;i\n98;-9,5;0,5\n99;-1.234,5;1,0\n", {"t": [98, 99], "n": [-9.5, -1234.5], "i": [0.5, 1]}),
+        ("t;n\n0;0\n1;47,488\n", {"t": [0.0, 1.0], "n": [0.0, 47.488]}),
+        ('t,n\n"0,003",0\n"0,004","1,203"\n', {"t": [0.003, 0.004], "n": [0.0, 1.203]}),
         ("t;n\n0.125;1.234.567\n0.250;2.000\n", {"t": [0.125, 0.25], "n": [1234567.0, 2000.0]}),
         ("t;i\n0,125;1,500\n0,250;2,125\n", {"t": [0.125, 0.25], "i": [1.5, 2.125]}),
         ("t;i\n0.125;1.500\n0.250;2.125\n", {"t": [0.125, 0.25], "i": [1.5, 2.125]}),
@@ -258,12 +261,26 @@ def test_numbers_as_spreadsheets_write_them(
     assert log.units == ({"t": "s", "i": "mA"} if "sec" in content else {})
 
 
-def test_thousands_or_decimals_are_not_guessed(read: Callable[[str], Log]) -> None:
-    """Every value has a comma and three digits behind it: either is possible, so it stays text."""
-    log = read('t,i\n0,"1,234"\n1,"2,345"\n')
+@pytest.mark.parametrize(
+    ("content", "column", "shown"),
+    [
+        ('t,i\n0,"1,234"\n1,"2,345"\n', "i", "'1.234 or 1234'"),
+        ('t,i\n0,0\n1,"2,345"\n', "i", "'2.345 or 2345'"),
+        ("t;i\n1.001;0,01\n1.002;0,02\n", "t", "'1.001 or 1001'"),
+        ("t;i\n98;0,01\n1.002;0,02\n", "t", "'1.002 or 1002'"),
+        ("t;i\n999;1\n1,000;2\n", "t", "'1.000 or 1000'"),
+        ("t\ti\n0.25\t1,234\n0.5\t2,345\n", "i", "'1.234 or 1234'"),
+    ],
+)
+def test_thousands_or_decimals_are_not_guessed(
+    content: str, column: str, shown: str, read: Callable[[str], Log]
+) -> None:
+    """Every sign has three digits behind it, and no other number shows which one it is."""
+    log = read(content)
 
-    with pytest.raises(InputError, match="'1,234'"):
-        log.numbers("i")
+    with pytest.raises(InputError, match=shown):
+        log.numbers(column)
+    assert any(shown.strip("'") in note for note in log.notes)
 
 
 @pytest.mark.parametrize(
@@ -284,19 +301,48 @@ def test_the_words_of_a_comment_are_no_names(comment: str, read: Callable[[str],
     assert list(read(f"{comment}\n{rows}").columns) == [f"column_{k + 1}" for k in range(width)]
 
 
-@pytest.mark.parametrize("key", ["joint", "motor id"])
-def test_a_row_for_every_joint_at_every_time(key: str, read: Callable[[str], Log]) -> None:
-    """Long tables become a column for each joint and value; a mode that alternates stays one."""
-    names = ["hip", "knee"] if key == "joint" else ["1", "2"]
-    rows = "".join(f"{k},{names[j]},{10 * k + j},{k}\n" for k in range(20) for j in range(2))
-    log = read(f"t,{key},q,i\n{rows}")
+@pytest.mark.parametrize(
+    ("key", "first"), [("joint", "hip"), ("motor id", "motor 1"), ("node_id", "node 1"), ("id", "joint 1")]
+)
+@pytest.mark.parametrize(("lost", "apart"), [(0, 0.0), (1, 0.0), (0, 0.5)])
+def test_a_row_for_every_joint_at_every_time(
+    key: str, first: str, lost: int, apart: float, read: Callable[[str], Log]
+) -> None:
+    """Long tables become a column for each joint and value; a mode that alternates stays one.
 
-    first = names[0] if key == "joint" else f"{key} 1"
-    assert log.numbers(f"{first}/q").tolist() == [10.0 * k for k in range(20)]
-    assert log.rows == 20
+    Also where the logger was stopped before the last row, or every row has a time of its own.
+    """
+    names = ["hip", "knee"] if key == "joint" else ["1", "2"]
+    rows = [f"{k + apart * j},{names[j]},{10 * k + j},{k}\n" for k in range(20) for j in range(2)]
+    log = read(f"t,{key},q,i\n{''.join(rows[: 40 - lost])}")
+
+    # The first of the first joint is before the others', the last of the last without one.
+    first_at, whole = int(apart > 0.0), 20 - max(lost, apart > 0.0)
+    assert log.numbers(f"{first}/q").tolist() == [10.0 * (k + first_at) for k in range(whole)]
+    assert {name.rpartition("/")[2] for name in log.columns} == {"t", "q", "i"}
+    assert log.rows == whole
+    steps = "".join(f"{k},{k},{k % 3}.25\n" for k in range(40))
+    assert list(read(f"t,q,motor speed\n{steps}").columns) == ["t", "q", "motor speed"]
 
     modes = "".join(f"{k},{'ab'[k % 2]},{k},{k}\n" for k in range(40))
     assert list(read(f"t,mode,q,i\n{modes}").columns) == ["t", "mode", "q", "i"]
+
+
+@pytest.mark.parametrize(
+    ("above", "row"),
+    [
+        ("# t, angle of link, motor:speed\n", "{:.1f},{}.5,{}.25\n"),
+        ("# t, angle of link, motor:speed\n", "{:.1f} {}.5 {}.25\n"),
+        ("| t | angle of link | motor:speed |\n|---|:--:|--:|\n", "| {:.1f} | {}.5 | {}.25 |\n"),
+    ],
+)
+def test_names_in_a_comment_or_in_markdown(above: str, row: str, read: Callable[[str], Log]) -> None:
+    """As `numpy.savetxt` and tables of notes write them; names may have words of sentences."""
+    log = read(above + "".join(row.format(0.1 * k, k, k % 5) for k in range(30)))
+
+    assert list(log.columns) == ["t", "angle of link", "motor:speed"]
+    assert log.rows == 30
+    assert not log.units
 
 
 def test_settings_of_two_cells_above_a_wider_table(read: Callable[[str], Log]) -> None:
@@ -349,17 +395,34 @@ def test_chinese_names_in_their_own_encoding(tmp_path: Path) -> None:
     path.write_bytes("时间(s),角度(deg)\n0,1\n1,2\n".encode("gb2312"))
     assert list(read_log(path).columns) == ["时间(s)", "角度(deg)"]
 
+    path.write_bytes("µµ,²²\n0,1\n1,2\n".encode("latin-1"))
+    assert list(read_log(path).columns) == ["µµ", "²²"]
+
     path.write_bytes("Größe,Öl für Äste °\n0,1\n1,2\n".encode("latin-1"))
     assert list(read_log(path).columns) == ["Größe", "Öl für Äste °"]
 
 
-def test_thousands_are_read_alike_in_parts(tmp_path: Path) -> None:
-    """The first of them is far behind the rows that show how a file is written."""
+@pytest.mark.parametrize(
+    ("row", "same"),
+    [
+        (lambda k: f"{k / 1000:.3f};0,{k % 10}5", True),
+        (lambda k: f'{k + 0.5:,};"{k % 7}"', True),
+        (lambda k: f"{k / 8}".replace(".", ",") + f";{k:,}".replace(",", "."), False),
+        (lambda k: f"{k};{k * 1000:,}".replace(",", "."), False),
+        (lambda k: f"{k};" + ("0" if k < 2000 else f"{k * 1000:,}".replace(",", ".")), False),
+    ],
+    ids=["milliseconds", "point", "other columns", "later groups", "zeros first"],
+)
+def test_thousands_are_read_alike_in_parts(row: Callable[[int], str], same: bool, tmp_path: Path) -> None:
+    """Where the first rows do not show how a column is written, it is refused, and never read otherwise."""
     path = tmp_path / "log.csv"
-    path.write_text(
-        "t;i\n" + "".join(f"{k:,};0,{k % 10}5\n".replace(",", ".", k >= 1000) for k in range(3000))
-    )
+    path.write_text("t;i\n" + "".join(f"{row(k)}\n" for k in range(3000)))
+    whole, parts = read_log(path), stream_log(path)
 
-    assert read_log(path).numbers("t").tolist() == list(range(3000))
-    parts = stream_log(path).batches(["t"], [(0, 3000)])
-    assert np.concatenate([part.columns["t"] for part in parts]).tolist() == list(range(3000))
+    for name in whole.columns:
+        found = []
+        for log in (whole, parts.read([name])):
+            with suppress(InputError):
+                found.append(log.numbers(name).tolist())
+        assert found == found[:1] * len(found)
+        assert len(found) == 2 or not same

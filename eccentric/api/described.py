@@ -104,4 +104,6 @@ def _clock(log: Log) -> tuple[tuple[str, str, float] | None, str]:
     except InputError as error:
         return None, error.inside(log.path).statement
     proposal = clock.proposal
-    return (proposal.column, proposal.unit, clock.rate_hz), proposal.doubt
+    return (proposal.column, proposal.unit, clock.rate_hz), "; ".join(
+        filter(None, (clock.uneven, proposal.doubt))
+    )

@@ -30,7 +30,7 @@ from eccentric.identification import Fit
 from eccentric.identification import fit as fit_channels
 from eccentric.joints import fit_arm as fit_joints
 from eccentric.logs import Log, log_names
-from eccentric.model import load_model, with_numbers
+from eccentric.model import load_model, vocabulary, with_numbers
 from eccentric.presentation import (
     arm_fit_lines,
     fit_document,
@@ -469,5 +469,8 @@ def _determined(fit: Any, rig: Rig, drive: str) -> list[str]:
         value = f"{axis.named(name)} = {e.value:.4g} {axis.unit(e.unit)}"
         lines.append(f"{value}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
     lines += [f"{axis.named(name)}: estimated along with the fit" for name in sorted(rig.estimate)]
-    given = [axis.named(known.name) for known in knowns_of(axis) if known.name in rig.known]
+    # What follows from the case, and the usual g, nobody needs to have written.
+    usual = {"g"} if rig.known.get("g") == float(vocabulary.g.default or "nan") else set[str]()
+    by_default = usual | ({"phi"} if rig.case else set())
+    given = [axis.named(k.name) for k in knowns_of(axis) if k.name in rig.known and k.name not in by_default]
     return [*lines, f"taken from the rig file: {few(given)}"] if given else lines

@@ -80,8 +80,8 @@ def _described(file: str) -> int:
         print(eccentric.describe_log(file).summary())
     except InputError as error:
         with suppress(InputError, OSError):
-            print(f"{file}: {format_of(Path(file)).title}, which is not read:")
-        print(coloured(str(error), "error"))
+            print(f"{file}: not readable: {format_of(Path(file)).title}")
+        print(coloured(str(error).removeprefix(f"{file}: "), "error"))
         return 1
     return 0
 

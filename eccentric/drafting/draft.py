@@ -32,7 +32,7 @@ from eccentric.drafting.drives import (
     with_direction,
     without_sign,
 )
-from eccentric.drafting.joints import joint_of
+from eccentric.drafting.joints import joint_called, joint_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.questions import added_asked, entries_of, facts_of, line_asked, one_way, turns_asked
@@ -128,7 +128,9 @@ def draft_of(log: Log) -> Draft:
         | {c.text for c in flags}
         | ({temperature.source, *temperature.reads} if temperature else set())
     )
-    left_out = {n: f"of joint {key}; joint {joint.key} is drafted" for n, key in joint.others.items()}
+    left_out = {
+        n: f"of {joint_called(key)}; {joint_called(joint.key)} is drafted" for n, key in joint.others.items()
+    }
     left_out |= {n: CONSTANT for n, c in left.items() if c.is_constant and n not in taken}
     left_out |= {n: _BY_RUN for n, c in left.items() if n not in taken and _is_of_runs(c, ends)}
     left_out |= {name: why for name, entries in texts.items() if (why := _spoilt(log, name, entries))}
@@ -491,7 +493,7 @@ def _channels(
                 *([f"{' or '.join(sorted(turn))} counts per turn"] if len(turn) > 1 else []),
             ]
             doubts.append(
-                f"may be in {' or '.join(said_others)}" if said_others else "unit only from its size"
+                f"could also be {' or '.join(said_others)}" if said_others else "unit only from its size"
             )
         if unit.startswith("counts") and best.product:
             doubts.append("the log shows counts per turn times gear, not each: check encoder_counts_per_rev")
@@ -517,7 +519,7 @@ def _others(found: Sequence[Reading], what: str, unit: str) -> list[str]:
         if own != unit:
             weights[own] = weights.get(own, 0.0) + reading.weight
     return [
-        f"{own} ({weight:.0%})"
+        f"{own} (probability {100 * weight:.0f} %)"
         for own, weight in sorted(weights.items(), key=lambda x: -x[1])
         if weight > 0.02
     ]

@@ -60,7 +60,9 @@ def find_drives(
     hopeless = set[str]() if named or not lasting else _hopeless(grid, motion, could)
     for column in could:
         if named and column not in named:
-            left_out[column.text] = f"no name of a drive, as {few([c.text for c in named], 2)} has"
+            left_out[column.text] = (
+                f"its name does not suggest a drive signal, that of {few([c.text for c in named], 2)} does"
+            )
             continue
         if column.varies <= limits.HARDLY:
             steady.append(column)
@@ -80,7 +82,7 @@ def find_drives(
             found.append((column, balance_of(motion, grid.smooth(column), periodic=lasting) or balance))
         else:
             left_out[column.text] = (
-                f"motion explains {max(balance.r2, 0.0):.0%} of it, too little for a drive"
+                f"motion explains {100 * max(balance.r2, 0.0):.0f} % of it, too little for a drive"
             )
     kept: list[Driven] = []
     for column, balance in sorted(found, key=lambda one: _rank(*one)):
@@ -146,7 +148,7 @@ def no_drive(name: Name) -> str:
     if not name.signal:
         return "no signal of a drive, by its name"
     if name.quantity not in ("", "duty", *KINDS):
-        return f"by its name {_A.get(name.quantity, f'a {name.quantity}')}, no drive"
+        return f"{_A.get(name.quantity, f'a {name.quantity}')}, by its name"
     return ""
 
 
@@ -248,17 +250,17 @@ def _kind(column: LoggedColumn, balance: Explained) -> Driven:
     told = [
         f"{words} {shares[term]:.2f}"
         for term, words in (
-            ("friction", "the sign of the speed"),
-            ("speed", "the speed"),
-            ("inertia", "the acceleration"),
-            ("gravity", "the angle under gravity"),
+            ("friction", "sign of speed"),
+            ("speed", "speed"),
+            ("inertia", "acceleration"),
+            ("gravity", "angle under gravity"),
         )
         if shares[term] > limits.TOLD
     ]
-    opposed = ", which oppose each other" if max(shares.values()) > 1.0 else ""
+    opposed = ", some opposed" if max(shares.values()) > 1.0 else ""
     evidence = (
-        f"motion explains {balance.r2:.0%} of it",
-        *((f"follows {', '.join(told)} (standard deviations over its own{opposed})",) if told else ()),
+        f"a model of the motion explains {100 * balance.r2:.0f} % of it",
+        *((f"shares of its standard deviation{opposed}: {', '.join(told)}",) if told else ()),
     )
     kind, speed, rest = column.name.quantity, shares["speed"], shares["friction"] + shares["inertia"]
     if kind in KINDS:
@@ -319,7 +321,9 @@ def _together(grid: Grid, motion: Moved, kept: list[Driven]) -> list[Driven]:
             r2 = 1.0 - float(np.var(y - scaled @ c)) / float(np.var(y))
             emf = abs(c[2]) * float(np.std(scaled[:, 2])) / float(np.std(y))
             if r2 > limits.CIRCUIT and c[1] > 0.0 and c[2] > 0.0 and emf > limits.LEAST_EMF:
-                said = f"it is R {i.column.text} + k_e times the speed, to {r2:.1%}, with both above 0"
+                said = (
+                    f"it is R {i.column.text} + k_e times the speed, to {100 * r2:.1f} %, with both above 0"
+                )
                 other = f"{u.column.text} is a multiple of it plus a multiple of the speed"
                 kept = list(kept)
                 sure = 0.97 if i.column.name.quantity else 0.9
@@ -398,16 +402,28 @@ def with_direction(proposals: Sequence[Proposal], columns: Mapping[str, LoggedCo
     direction = next(of, None)
     if direction is None:
         return list(proposals)
-    name, levels = quoted(direction.text), set(direction.levels.tolist())
-    factor = name if levels <= {-1.0, 0.0, 1.0} and -1.0 in levels else f"(2 * {name} - 1)"
+    factor = _factor(direction)
     never = f"never negative beside {direction.text}"
 
     def doubt(p: Proposal) -> str:
         if p.channel.startswith(("current", "torque")):
             return f"{never}: its sign is missing where the drive brakes"
-        return f'{never}: if that is its sign, multiply it, as in "{quoted(p.source)} * {factor}"'
+        product = f'multiply it, as in "{quoted(p.source)} * {factor}"' if factor else "multiply by -1 or 1"
+        return f"{never}: if that is its sign, {product}"
 
     return [p.doubted(doubt(p)) if _is_size(p, columns) else p for p in proposals]
+
+
+def _factor(direction: LoggedColumn) -> str:
+    """The sign by a column of a direction: that itself, or by its two levels; "" for others."""
+    name, levels = quoted(direction.text), sorted(set(direction.levels.tolist()))
+    if set(levels) <= {-1.0, 0.0, 1.0} and -1.0 in levels:
+        return name
+    if len(levels) != 2:
+        return ""
+    low, apart = levels[0], levels[1] - levels[0]
+    moved = name if low == 0.0 else f"({name} {'-' if low > 0.0 else '+'} {abs(low):g})"
+    return f"({2.0 / apart:g} * {moved} - 1)"
 
 
 def _is_size(proposal: Proposal, columns: Mapping[str, LoggedColumn]) -> bool:

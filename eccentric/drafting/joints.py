@@ -47,8 +47,13 @@ class JointColumns:
         if not own:
             return list(rest), {}
         left = [c for c in rest if c.name.quantity in _DRIVES and c.name.signal and c.text not in self.own]
-        why = f"{OF_NONE}; {own[0].text} is of joint {self.key}"
+        why = f"{OF_NONE}; {own[0].text} is of {joint_called(self.key)}"
         return [c for c in rest if c not in left], {c.text: why for c in left}
+
+
+def joint_called(key: str) -> str:
+    """What messages call a joint: "joint 3" and "joint left", and as its key says where that is "motor 3"."""
+    return key if re.match(r"[^\W\d_]+ \d", key) else f"joint {key}"
 
 
 def joint_of(columns: Mapping[str, LoggedColumn], grid: Grid) -> JointColumns:
@@ -80,8 +85,8 @@ def joint_of(columns: Mapping[str, LoggedColumn], grid: Grid) -> JointColumns:
         best = max(move, key=lambda key: _explained(grid, by[key], common))
     also = [key for key in move if key != best]
     doubt = (
-        f"joint {best} is drafted, {few(also)} move{'s' if len(also) == 1 else ''} as well: a rig has one;"
-        " --arm reads all joints of an arm"
+        f"{joint_called(best)} is drafted, {few(also)} move{'s' if len(also) == 1 else ''} as well:"
+        " a rig has one; --arm reads all joints of an arm"
     )
     others = {name: key for name, key in of.items() if key != best}
     own = frozenset(name for name, key in of.items() if key == best)

@@ -14,7 +14,8 @@ from eccentric.drafting.drives import no_drive
 from eccentric.drafting.proposal import Proposal, quoted
 from eccentric.drafting.words import is_like
 
-_FAHRENHEIT = re.compile(r"(?<![A-Za-z])(°|deg ?)?F\W*$|fahrenheit", re.IGNORECASE)
+_FAHRENHEIT = re.compile(r"(?<![A-Za-z])(°|[Dd]eg ?)?F\W*$|(?i:fahrenheit|(?<![a-z])deg ?f\W*$)")
+"""A small f alone is of "filtered" or "front"."""
 
 
 def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedColumn | None]:
@@ -111,7 +112,7 @@ def find_flags(
             continue
         text = f"{quoted(column.text)} == {value}"
         evidence = (
-            f"by its name; so in {share:.1%} of the rows",
+            f"by its name; so in {100 * share:.1f} % of the rows",
             *_coasting(grid, motion, drive, column, value, channel),
         )
         doubt = "" if channel == "motor_off" else "only its name says that the other rows are not to be used"
@@ -138,5 +139,8 @@ def _coasting(
     if without is None:
         return ()
     return (
-        f"explained by motion: {max(within.r2_plain, 0):.0%} there, {max(without.r2_plain, 0):.0%} elsewhere",
+        (
+            f"explained by motion: {100 * max(within.r2_plain, 0):.0f} % there,"
+            f" {100 * max(without.r2_plain, 0):.0f} % elsewhere"
+        ),
     )

@@ -58,7 +58,7 @@ def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[Rig
 def _alignment(balance: Explained | None, kinds: set[str]) -> list[RigLine]:
     entries: list[RigLine] = []
     if balance is not None and balance.period:
-        zero = TURN * balance.zero / balance.period
+        zero = round(TURN * balance.zero / balance.period, 3) + 0.0  # no -0
         why, value = f"gravity vanishes at {zero:+.3f} rad of the link", "0"
         if abs(zero) > 0.01:
             why, value = f"{why}: the fit refines it", '"estimate"'
@@ -80,7 +80,7 @@ def _known(
     entries = [
         _case(given, balance),
         gear,
-        known_asked("M", "0.5 kg", "the unbalanced mass: weigh it", needed=True),
+        known_asked("M", "0.5 kg", "the unbalanced mass: weigh it; 0 kg for a bare joint", needed=True),
         known_asked("L", "0.3 m", "from the axis to the centre of that mass: measure it", needed=True),
     ]
     if gravity or balance is None:
@@ -117,8 +117,8 @@ def _case(given: Shown, balance: Explained | None) -> RigLine:
     if balance.period > 0.0:
         part, turns = min(balance.shares["gravity"], 1.0), balance.turns
         why = (
-            f"gravity in the plane of motion: {part:.0%} of the drive's scatter repeats with the angle,"
-            f" {turns:.1f} periods"
+            f"gravity in the plane of motion: {100 * part:.0f} % of the drive's scatter repeats with the"
+            f" angle, {turns:.1f} periods"
         )
         short = "less than one period was seen: it may be a spring, or a load that drifts"
         return RigLine("known", "case", '"C2"', why, "" if turns > 1.0 else short)
@@ -211,7 +211,10 @@ def facts_of(grid: Grid, motion: Moved) -> list[str]:
     both = float(np.mean(motion.w[motion.moving] > 0.0)) if np.any(motion.moving) else 0.0
     facts = [
         f"{counted(len(grid.parts), 'part')} without a gap, {1.0 / grid.step:.4g} rows a second (mean)",
-        f"standing (below {limits.STILL:.0%} of its speed) in {still:.0%} of rows, forwards in {both:.0%}",
+        (
+            f"standing (below {100 * limits.STILL:.0f} % of its speed) in {100 * still:.0f} % of rows,"
+            f" forwards in {100 * both:.0f} %"
+        ),
     ]
     if one_way(motion):
         facts.append(ONE_WAY)

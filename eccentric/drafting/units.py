@@ -21,6 +21,7 @@ from eccentric.drafting.columns import LoggedColumn, columns_of, nice_counts
 from eccentric.drafting.proposal import Proposal, quoted
 from eccentric.drafting.words import Name, is_like, read_name
 from eccentric.logs import Log, falls, mended, parse_unit
+from eccentric.signals import UNEVEN_STEP
 
 # The clock of a log and its runs: which column is the time, in which unit, and where a run ends.
 
@@ -32,13 +33,17 @@ SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.
 
 @dataclass(frozen=True)
 class Clock:
-    """Time (n,) as the column has it, its ends of stretches (n-1,), and how likely each unit is."""
+    """Time (n,) as the column has it, its ends of stretches (n-1,), and how likely each unit is.
+
+    `step` is the usual one; `uneven` says how many others there are, "" for few.
+    """
 
     proposal: Proposal
     raw: Array
     breaks: NDArray[np.bool_]
     step: float
     likely: Mapping[str, float]
+    uneven: str = ""
 
     @property
     def unit(self) -> str:
@@ -159,7 +164,8 @@ def by_rate(log: Log, rate_hz: float) -> Log:
     if not (math.isfinite(rate_hz) and rate_hz > 0.0):
         raise InputError("rate", "a number of rows per second above 0", f"{rate_hz:g}")
     for name, x in log.columns.items():
-        timed = x.dtype.kind == "f" and read_name(name, log.units.get(name, "")).quantity == "time"
+        said = read_name(name, log.units.get(name, ""))
+        timed = x.dtype.kind == "f" and said.quantity == "time" and not _is_counter(said)
         if name == "time_s" or (timed and np.all(np.diff(x) > 0.0)):
             raise InputError(
                 log.path,
@@ -169,6 +175,11 @@ def by_rate(log: Log, rate_hz: float) -> Log:
                 hint="leave the rate out",
             )
     return dataclasses.replace(log, columns={"time_s": np.arange(log.rows) / rate_hz, **log.columns})
+
+
+def _is_counter(name: Name) -> bool:
+    """Whether a name is that of a counter, whose unit it does not say."""
+    return not name.unit and name.word in ("tick", "ticks", "clock")
 
 
 def find_clock(
@@ -194,8 +205,8 @@ def find_clock(
         raise InputError(
             where,
             problem="expected a column that rises from row to row, the time, but the log has none"
-            f"{f' ({few(columns, 5)})' if columns else ''}: where its rows are evenly apart, say how many are"
-            " in a second, as in --rate 500 (sample_rate_hz = 500 in a rig file)",
+            f"{f' ({few(columns, 5)})' if columns else ''}: if its rows are evenly spaced, give the rate in"
+            " rows a second, as in --rate 500 (sample_rate_hz = 500 in a rig file)",
         )
     score, column = found[0]
     steps = np.diff(column.values)
@@ -205,10 +216,14 @@ def find_clock(
     likely = _units(column, usual, float(np.sum(inside)))
     unit = max(likely, key=lambda one: likely[one])
     others = [c.text for s, c in found[1:] if s > 0.8 * score]
-    evidence = [
-        "rises from row to row",
-        f"step {usual * SECONDS[unit]:.4g} s, {1 / usual / SECONDS[unit]:.4g} rows a second",
-    ]
+    odd = int(np.count_nonzero(np.abs(inside / usual - 1.0) > UNEVEN_STEP)) if usual else 0
+    step_said = f"step {usual * SECONDS[unit]:.4g} s, {1 / usual / SECONDS[unit]:.4g} rows a second"
+    uneven = (
+        f"{odd} of {len(inside)} steps differ from that by more than {100 * UNEVEN_STEP:.0f} %"
+        if odd > limits.FEW_STEPS * len(inside)
+        else ""
+    )
+    evidence = ["rises from row to row", step_said, *([uneven] if uneven else [])]
     if column.name.unit:
         evidence.append(f"{column.name.unit} by its name")
     if not said and np.any((steps < 0.0) & ~ends):
@@ -222,14 +237,16 @@ def find_clock(
     doubts += [f"{column.text} or {', '.join(others)}: several columns could be the time"] if others else []
     if column.name.quantity not in ("time", ""):
         doubts.append(f"its name says {column.name.quantity}")
-    if likely[unit] < limits.SURE:
+    if _is_counter(column.name):
+        doubts.append(f"a counter? taken in {unit}; if it counts rows, give the rate")
+    elif likely[unit] < limits.SURE:
         second = sorted(likely, key=lambda one: -likely[one])[1]
         doubts.append(
             "unit by the rate of rows alone:"
             f" {second} would be {1 / usual / SECONDS[second]:.3g} rows a second"
         )
     proposal = Proposal("time", column.text, unit, tuple(evidence), likely[unit], "; ".join(doubts))
-    return Clock(proposal, column.values, breaks, usual, likely)
+    return Clock(proposal, column.values, breaks, usual, likely, uneven)
 
 
 def _put_right(

@@ -253,8 +253,10 @@ def _heads(words: Sequence[str]) -> list[str]:
         after = [q for w, q in zip(words[k + 1 :], of[k + 1 :], strict=True) if w not in _MOTOR | _LINK]
         adjective = word == "current" and after[:1] != [""] and {*after[:1]} <= _KINDS.keys() - {"current"}
         motion = of[k] == "angle" and "speed" in after
+        # Of "x direction position" and "direction speed": which way, or of which axis.
+        way = of[k] == "direction" and {*of[:k], *of[k + 1 :]} & _KINDS.keys()
         sensor = word in ("encoder", "enc") and {*of[:k], *of[k + 1 :]} & (_KINDS.keys() - {"time"})
-        if not ((adjective and after) or motion or sensor):
+        if not ((adjective and after) or motion or way or sensor):
             heads.append(word)
     return [*heads, *(a + b for a, b in itertools.pairwise(words))]
 

@@ -42,8 +42,7 @@ def toml_of(draft: Draft, name: str) -> str:
         lines += _channel(proposal, draft.axis)
     lines += [line for entry in draft.entries if entry.table == "columns" for line in _entry(entry)]
     for columns, why in folded(draft.left_out):
-        are = "is no channel" if columns in draft.left_out else "are no channels"
-        lines.append(f"# {_line(f'{columns} {are}: {why}')}")
+        lines.append(f"# {_line(f'{columns} left out: {why}')}")
     for table in ("known", "unknown", "added", "drives", "joints"):
         entries = [entry for entry in draft.entries if entry.table == table]
         if entries:

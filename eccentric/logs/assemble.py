@@ -19,6 +19,8 @@ from eccentric.logs import limits
 Column = NDArray[Any]
 
 MISSING = frozenset({"", "na", "n/a", "#n/a", "null", "none", "-"})
+EITHER = " or "
+"""Between the two numbers that a text may be."""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.core import InputError, few
+from eccentric.core import InputError, counted, few
 from eccentric.logs import limits
 from eccentric.logs.assemble import Column, Read
 from eccentric.logs.units import seconds_in
@@ -253,7 +253,10 @@ def of_topics(read: Read, path: Path) -> Read:
     by_name = _named(read.columns)
     if by_name is not None:
         time, channels = by_name
-        return _joined(read, channels, path, time, "rows of several channels, each named in its row")
+        lost = len(read.columns[time]) - sum(len(c.time) for c in channels) // (len(read.columns) - 2)
+        what = "rows of several channels, each named in its row"
+        what += f"; left out: {counted(lost, 'incomplete row')}" if lost else ""
+        return _joined(read, channels, path, time, what)
     by_gaps = _sparse(read.columns)
     if by_gaps is not None:
         time, channels = by_gaps
@@ -303,8 +306,8 @@ def of_clocks(read: Read, clocks: Sequence[int], path: Path) -> Read:
 def _named(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
     """A column of time, one of names that change from row to row, and others of numbers.
 
-    With one value beside the time, rows are in any order; with several, each time has a row of every name.
-    Names may be numbers of joints or motors.
+    With one value beside the time, rows are in any order; with several, each time has a row of every name, or
+    the column is called as one of joints or motors is. Names may be numbers of these.
     """
     texts = [name for name, x in columns.items() if x.dtype.kind != "f"]
     numbers = [name for name, x in columns.items() if x.dtype.kind == "f"]
@@ -313,28 +316,53 @@ def _named(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
         return None
     for key in texts or [name for name in numbers if _JOINT.search(name)]:
         names, values = columns[key], [name for name in numbers if name not in (time, key)]
-        kinds, counts = np.unique(names, return_counts=True)
+        kinds, which = np.unique(names, return_inverse=True)
         changes = np.count_nonzero(names[1:] != names[:-1])
         if not 2 <= len(kinds) <= limits.MOST_PARTS or changes < 5 * len(kinds) or not values:
             continue
         if texts and len(values) == 1:
+            rows, called = [which == k for k in range(len(kinds))], list(map(str, kinds))
             return time, [
-                Recorded(str(k), columns[time][names == k], columns[values[0]][names == k]) for k in kinds
+                Recorded(name, columns[time][own], columns[values[0]][own])
+                for name, own in zip(called, rows, strict=True)
             ]
-        stamps = [columns[time][names == k] for k in kinds]
-        # A mode or a direction that changes often is of one machine: its rows are each of their own time.
-        if np.ptp(counts) == 0 and all(np.array_equal(one, stamps[0]) for one in stamps):
-            called = [str(k) if texts else f"{key} {k:g}" for k in kinds]
-            return time, [
-                Recorded(f"{name}/{value}", t, columns[value][names == k])
-                for name, k, t in zip(called, kinds, stamps, strict=True)
-                for value in values
+        kept = _cycles(columns[time], which, len(kinds))
+        whole = bool(texts) or all(float(kind).is_integer() for kind in kinds)
+        if kept is None and not (whole and _MACHINE.fullmatch(key) and changes > 0.5 * len(names)):
+            continue  # a mode, a direction or a speed in steps that changes often is of one machine
+        # Without its "id", which says of no quantity what it is.
+        machine = _ID.sub("", key).strip(" _-.") or "joint"
+        return time, [
+            Recorded(f"{name}/{value}", columns[time][own], columns[value][own])
+            for k, kind in enumerate(kinds)
+            for name, own in [
+                (
+                    str(kind) if texts else f"{machine} {kind:g}",
+                    (which == k) & (True if kept is None else kept),
+                )
             ]
+            for value in values
+        ]
     return None
 
 
+def _cycles(t: Column, which: NDArray[np.int64], kinds: int) -> Mask | None:
+    """The rows whose time has one of every kind, without the few that were cut off; None if most have not."""
+    _, stamp = np.unique(t, return_inverse=True)
+    each = np.zeros((int(stamp[-1]) + 1, kinds), dtype=int)
+    np.add.at(each, (stamp, which), 1)
+    full = np.all(each == 1, axis=1)
+    return full[stamp] if np.mean(full) > limits.WHOLE_CYCLES else None
+
+
 _JOINT = re.compile(r"(?<![a-z])(id|joint|motor|axis|servo|actuator|device|node)(?![a-z])", re.IGNORECASE)
-"""What a column of numbers is called that says of which of several machines a row is."""
+"""What a column is called that says of which of several machines a row is."""
+_MACHINE = re.compile(
+    r"(id|(joint|motor|axis|servo|actuator|device|node)([\s_.-]*(id|no|nr|number|index|name))?)",
+    re.IGNORECASE,
+)
+"""The whole name of a column that can say nothing else."""
+_ID = re.compile(r"(?<![a-z])id(?![a-z])", re.IGNORECASE)
 
 
 def _sparse(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:

@@ -38,13 +38,13 @@ from eccentric.logs.layout import (
     POINT,
     Layout,
     cells_to_column,
-    has_decimal_commas,
     is_content,
     is_number,
     is_prose,
     layout_of,
     plain_column,
     rows_of,
+    signs_of,
     units_row,
 )
 
@@ -75,6 +75,8 @@ def read_text(whole: str, path: Path) -> Read:
     rows = 1 + max(whole.count("\n"), whole.count("\r"))
     require_room_for_text(path, whole, rows, rows + sum(map(whole.count, ",;\t")))
     text = io.StringIO(whole, newline="").readlines()
+    if _is_markdown(text[: limits.LAYOUT_LINES]):
+        text = ["\n" if _RULE.fullmatch(line) else line.strip().strip("|") + "\n" for line in text]
     with _csv_errors(path):
         layout = _start(path, text)
         read = _of_rows(path, text, layout)
@@ -102,17 +104,19 @@ def csv_source(path: Path) -> InParts | None:
     """
     try:
         with _csv_errors(path):
-            layout = _start(path, _first_lines(path, limits.LAYOUT_LINES))
-            if layout.clocks or layout.units or not _plain(path, layout):
+            lines = _first_lines(path, limits.LAYOUT_LINES)
+            layout = _start(path, lines)
+            if _is_markdown(lines) or layout.clocks or layout.units or not _plain(path, layout):
                 return None
-        lines = _lines(path)
+        rows = _lines(path)
     except UnicodeDecodeError:
         return None
     header, before = layout.names, layout.before
     sample = (
         row for _, row in rows_of(_first_lines(path, before + limits.SAMPLE_ROWS)[before:], layout.delimiter)
     )
-    points = _has_points(layout, list(itertools.zip_longest(*sample, fillvalue="")))
+    # Decided once, as for the whole: what follows and does not agree is text.
+    signs = signs_of(list(itertools.zip_longest(*sample, fillvalue="")), layout.delimiter)
 
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
         chosen, at = [header.index(name) for name in names], 0
@@ -125,13 +129,20 @@ def csv_source(path: Path) -> InParts | None:
                     found = _rectangular(block[first - at : end - at], layout, path)
                     values = list(zip(*(row for _, row in found), strict=True))
                     columns = {
-                        name: plain_column(values[k], decimal_comma=layout.delimiter != ",", points=points)
-                        for name, k in zip(names, chosen, strict=True)
+                        name: plain_column(values[k], signs[k]) for name, k in zip(names, chosen, strict=True)
                     }
                     yield Part(first, columns, np.array([line for line, _ in found], dtype=np.int64))
                 at += len(block)
 
-    return InParts(header, lines - before, parts, layout.notes)
+    return InParts(header, rows - before, parts, layout.notes)
+
+
+_RULE = re.compile(r"\s*\|?(\s*:?-{2,}:?\s*\|)+(\s*:?-{2,}:?)?\s*")
+"""The line below the header of a table in Markdown."""
+
+
+def _is_markdown(lines: Sequence[str]) -> bool:
+    return any(map(_RULE.fullmatch, lines))
 
 
 def _first_lines(path: Path, most: int) -> list[str]:
@@ -211,9 +222,9 @@ def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
     # numpy.savetxt writes the column names as a comment.
     if comment.strip() and _only_numbers(first := _cells(line, delimiter)):
         names = _cells(comment, delimiter)
-        if len(names) != len(first):
+        if at_blanks := len(names) != len(first):
             names = comment.split()
-        if len(names) == len(first) and not is_prose(comment):
+        if len(names) == len(first) and not is_prose(comment, at_blanks=at_blanks):
             return names, delimiter, True
     return _cells(line, delimiter), delimiter, False
 
@@ -234,23 +245,16 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
     units = units_row(header, *(row for _, row in found[:2])) if len(found) > 1 else {}
     found = _rectangular(found[1:] if units else found, layout, path)
     values = list(zip(*(row for _, row in found), strict=True))
-    points = _has_points(layout, values)
+    signs = signs_of(values, layout.delimiter)
     lines = np.array([line for line, _ in found], dtype=np.int64)
     columns: dict[str, Column] = {}
     notes: list[str] = []
     units = {**layout.units, **units}
-    for name, cells in zip(header, values, strict=False):
-        columns[name], unit, note = cells_to_column(
-            name, cells, decimal_comma=layout.delimiter != ",", points=points
-        )
+    for name, cells, sign in zip(header, values, signs, strict=False):
+        columns[name], unit, note = cells_to_column(name, cells, sign)
         notes += [note] if note else []
         units |= {name: unit} if unit else {}
     return Read(columns, lines, tuple(notes), units)
-
-
-def _has_points(layout: Layout, columns: Sequence[Sequence[str]]) -> bool:
-    """Whether points can separate thousands: some column has decimal commas."""
-    return layout.delimiter != "," and any(map(has_decimal_commas, columns))
 
 
 def _all_numbers(lines: Sequence[str], layout: Layout) -> NDArray[np.float64] | None:
@@ -276,7 +280,9 @@ def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
         with suppress(UnicodeDecodeError):
             # Of two bytes above 0xA0 each, and of the usual Chinese characters: no text in Latin-1 is.
             text = text_of(path, "gb2312")
-            if all(c.isascii() or c.encode("gb2312") < b"\xd8" for c in set(text)):
+            # Nor is a text of signs such as two micros, which would be one of them.
+            signs = {byte for byte in error.object if byte > 0x7F} <= {*"°±²³µ·".encode("latin-1")}
+            if not signs and all(c.isascii() or c.encode("gb2312") < b"\xd8" for c in set(text)):
                 return text, ("read as GB 2312, since it is no UTF-8",)
         text = text_of(path, "cp1252")  # raises where Latin-1 of Windows has no character
         if _NO_TEXT.search(text):

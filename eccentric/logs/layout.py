@@ -22,14 +22,16 @@ import numpy as np
 
 from eccentric.core import InputError
 from eccentric.logs import limits
-from eccentric.logs.assemble import MISSING, Column, column_of, number_of
+from eccentric.logs.assemble import EITHER, MISSING, Column, column_of, number_of
 from eccentric.logs.units import parse_unit
 
 # Cells of a text log that are no plain numbers: decimal commas, dates, times of day, counters, units.
 
 
-_THOUSANDS = re.compile(r"\s*[-+]?[1-9]\d{0,2}(?:,\d{3})+(?P<rest>\.\d*)?\s*")
-_POINTS = re.compile(r"\s*[-+]?[1-9]\d{0,2}(?:\.\d{3})+(?P<rest>,\d*)?\s*")
+_GROUPED = {
+    ",": re.compile(r"\s*[-+]?[1-9]\d{0,2}(?:,\d{3})+(?P<rest>\.\d*)?\s*"),
+    ".": re.compile(r"\s*[-+]?[1-9]\d{0,2}(?:\.\d{3})+(?P<rest>,\d*)?\s*"),
+}
 """Numbers with a comma, or a point, between groups of three digits."""
 _WITH_UNIT = re.compile(
     r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z°µμΩ%][\w°µμΩ%/^·* ]*?)\s*"
@@ -47,20 +49,93 @@ EXACT = 2**53
 """Whole numbers above this are not exact as floating point: nanoseconds since 1970 are in steps of 256."""
 
 
-def cells_to_column(
-    name: str, cells: Sequence[str], *, decimal_comma: bool, points: bool = False
-) -> tuple[Column, str, str]:
+@dataclass(frozen=True)
+class Sign:
+    """The decimal sign of a column: "." or ",", "" where it may be either.
+
+    `proved` says that its own numbers show it, `assumed` that those of no column do.
+    """
+
+    decimal: str = "."
+    proved: bool = False
+    assumed: bool = False
+
+
+def signs_of(columns: Sequence[Sequence[str]], delimiter: str) -> list[Sign]:
+    """Return the decimal sign of each column of text, by its own numbers, else by those of the others.
+
+    Groups of three digits prove nothing, unless there are several or the other sign follows: 1,234 may be
+    1.234 or 1234.
+    """
+    signed = (c for cells in columns for c in cells if "," in c or c.count(".") > 1)
+    if not any(_DECIMAL_COMMA.fullmatch(c) or _groups(c) for c in signed):
+        return [Sign()] * len(columns)
+    proved = [_proved(cells) for cells in columns]
+    table = set[str]().union(*proved)
+    return [_sign(cells, own, table, delimiter) for cells, own in zip(columns, proved, strict=True)]
+
+
+def _sign(cells: Sequence[str], own: set[str], table: set[str], delimiter: str) -> Sign:
+    if len(own) == 1:
+        return Sign(next(iter(own)), proved=True)
+    if table:
+        return Sign(next(iter(table)) if len(table) == 1 and not own else "")
+    others = [number_of(cell) for cell in _given(cells) if "," not in cell]
+    # Semicolons and tabs are written where the comma is taken; a zero may stand without its decimals.
+    return Sign("") if delimiter == "," or any(others) else Sign(",", assumed=True)
+
+
+def _proved(cells: Sequence[str]) -> set[str]:
+    """The decimal signs that the numbers of a column prove; none where most cells are no numbers."""
+    given = _given(cells)
+    if 2 * sum(is_number(c) or _groups(c) is not None for c in given) <= len(given):
+        return set()
+    return {sign for cell in given if (sign := _decimal_sign(cell))}
+
+
+def _groups(cell: str) -> tuple[str, bool] | None:
+    """What separates the groups of three digits of a number, and whether it cannot be the decimal sign."""
+    for of, form in _GROUPED.items():
+        if of in cell and (one := form.fullmatch(cell)):
+            return of, cell.count(of) > 1 or bool(one["rest"])
+    return None
+
+
+def _decimal_sign(cell: str) -> str:
+    """The decimal sign that a cell proves, "" for none."""
+    if found := _groups(cell):
+        of, sure = found
+        return (",", ".")[of == ","] if sure else ""
+    if "," in cell:
+        return "," if _DECIMAL_COMMA.fullmatch(cell) else ""
+    return "." if "." in cell and number_of(cell) is not None else ""
+
+
+def _with_point(cell: str, sign: Sign) -> str:
+    """A number as `float` takes it; what is none, or not surely one, as text."""
+    shown = _decimal_sign(cell)
+    if shown:
+        plain = cell.replace(",", "") if shown == "." else cell.replace(".", "").replace(",", ".")
+        if shown == sign.decimal or not sign.decimal:
+            return plain
+        # Of a part of a log, whose first rows showed the other sign; a decimal comma is told as such.
+        return cell if "." not in cell else f"{plain}{EITHER}another"
+    if found := _groups(cell):
+        of, plain = found[0], cell.strip().replace(",", ".")
+        whole = plain.replace(".", "")
+        return plain if sign.decimal == of else whole if sign.proved else f"{plain}{EITHER}{whole}"
+    return cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell
+
+
+def cells_to_column(name: str, cells: Sequence[str], sign: Sign) -> tuple[Column, str, str]:
     """Return a column of text as numbers where it can be, its unit if the cells say it, and a note.
 
-    Args:
-        decimal_comma: whether a comma does not separate the cells.
-        points: whether the decimal sign of the table is a comma, so that a point separates thousands.
+    `sign` is that of the column, by `signs_of`.
     """
     given = _given(cells)
-    if (of := _separator(given, points=points)) is not None:
-        clean = [c.replace(of, "").replace(",", ".") for c in cells]
-        return column_of(clean), "", f"{name}: {of!r} separates thousands"
-    column = plain_column(cells, decimal_comma=decimal_comma)
+    column = plain_column(cells, sign)
+    if (note := _said(name, given, sign)) and (column.dtype.kind == "f" or EITHER in note):
+        return column, "", note
     if column.dtype.kind == "f":
         return _counter(name, cells, column)
     if len(units := {one[2] if (one := _WITH_UNIT.fullmatch(c)) else "" for c in given}) == 1 and (
@@ -75,50 +150,28 @@ def cells_to_column(
     return column, "", ""
 
 
-def plain_column(cells: Sequence[str], *, decimal_comma: bool, points: bool = False) -> Column:
-    """Return cells as numbers, with decimal commas where most are such, or as text.
+def _said(name: str, given: Sequence[str], sign: Sign) -> str:
+    """How numbers with groups of three digits are read; "" where that is sure, or there are none."""
+    grouped = [(cell, found) for cell in given if (found := _groups(cell))]
+    if (sign.decimal == "." and all(of == "." and not sure for _, (of, sure) in grouped)) or not grouped:
+        return ""
+    either = next((cell for cell, _ in grouped if EITHER in _with_point(cell, sign)), None)
+    if either is not None:
+        return f"{name}: {either} may be {_with_point(either, sign)}"
+    apart = next((of for _, (of, sure) in grouped if sure or sign.decimal != of), None)
+    if apart is not None:
+        return f"{name}: {apart!r} separates thousands"
+    return f"{name}: {grouped[0][0]} taken as {_with_point(grouped[0][0], sign)}" if sign.assumed else ""
 
-    Where a comma separates the cells, those in quotation marks can have one: a decimal comma, unless all of
-    them may be thousands. `points` as for `cells_to_column`.
-    """
-    if points and _separator(_given(cells), points=True) == ".":
-        return column_of([cell.replace(".", "").replace(",", ".") for cell in cells])
-    column = column_of(cells)
-    if column.dtype.kind == "f":
-        return column
-    given = _given(cells)
-    if not decimal_comma and all(_THOUSANDS.fullmatch(c) for c in given if "," in c):
-        return column
+
+def plain_column(cells: Sequence[str], sign: Sign) -> Column:
+    """Return cells as numbers, or as text where one is none; a number that can be two is text: both."""
+    if sign.decimal == "." or not any("." in cell or "," in cell for cell in cells):
+        column = column_of(cells)
+        if column.dtype.kind == "f":
+            return column
     # A cell that is no number stays as it is: whoever asks for numbers is told its line.
-    if given and 2 * sum(map(bool, map(_DECIMAL_COMMA.fullmatch, given))) > len(given):
-        return column_of([c.replace(",", ".") if _DECIMAL_COMMA.fullmatch(c) else c for c in cells])
-    return column
-
-
-def has_decimal_commas(cells: Sequence[str]) -> bool:
-    """Whether most cells of a column are numbers with a decimal comma."""
-    given = _given(cells)
-    commas = [cell for cell in given if "," in cell and _DECIMAL_COMMA.fullmatch(cell)]
-    return 2 * len(commas) > len(given) and not all(map(_THOUSANDS.fullmatch, commas))
-
-
-def _separator(given: Sequence[str], *, points: bool) -> str | None:
-    """What separates the thousands of numbers: a comma or a point, and None where it may be decimal."""
-    for of, form in ((",", _THOUSANDS), (".", _POINTS)):
-        grouped = [cell for cell in given if of in cell]
-        found = [form.fullmatch(cell) for cell in grouped]
-        # What has no separator is a number below 1000, with the other sign as the decimal one.
-        rest = [cell.replace(",", ".") if of == "." else cell for cell in given if of not in cell]
-        numbers = [number_of(cell) for cell in rest]
-        if not grouped or not all(found) or None in numbers:
-            continue
-        twice = any(
-            cell.count(of) > 1 or (one and one["rest"]) for cell, one in zip(grouped, found, strict=True)
-        )
-        small = [abs(x) < 1000.0 for x in numbers if x is not None]
-        if twice or (of == "." and points) or (of == "," and not points and small and all(small)):
-            return of
-    return None
+    return column_of([_with_point(cell, sign) for cell in cells])
 
 
 def _as_unit(text: str) -> str:
@@ -229,6 +282,7 @@ _PROSE = re.compile(
     r"[:=]\s*\S|\d{4}-\d\d-\d\d|\b(of|with|the|and|for|from|is|by|some|this|mit|der|die|das|und|von|für)\b",
     re.IGNORECASE,
 )
+_SETTING_OR_DATE = re.compile(r"[:=]\s*[-+.\d]|\d{4}-\d\d-\d\d")
 _NAMED = re.compile(r"[^\W\d]\w*\s*[:=]\s*[-+]?[\d.]")
 
 
@@ -277,7 +331,10 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     above = [
         (k, [cell.strip() for cell in cells])
         for k, line in enumerate(lines[:first], start=1)
-        if not (line.startswith("#") and is_prose(line))
+        if not (
+            line.startswith("#")
+            and is_prose(line, at_blanks=delimiter == BLANKS and line.count(",") != width - 1)
+        )
         for cells in _cells_above(line.lstrip("# \t") if line.startswith("#") else line, delimiter, width)
     ]
     found = _labelled(above, width) or _header(above, rows)
@@ -312,15 +369,18 @@ def is_content(line: str) -> bool:
 
 def _cells_above(line: str, delimiter: str, width: int) -> list[list[str]]:
     """The cells of a line above a table: where blanks separate them, names may have single blanks in them."""
-    apart = re.split(r"\t|\s{2,}", line.strip())
-    if delimiter == BLANKS and len(apart) == width > 1:
-        return [apart]
+    for apart in (re.split(r"\t|\s{2,}", line.strip()), line.split(",")):
+        if delimiter == BLANKS and len(apart) == width > 1:
+            return [apart]
     return [cells for _, cells in rows_of([line], delimiter)]
 
 
-def is_prose(comment: str) -> bool:
-    """Whether a comment is a sentence, a date or a setting, whose words are no names of columns."""
-    return bool(_PROSE.search(comment))
+def is_prose(comment: str, *, at_blanks: bool) -> bool:
+    """Whether a comment is a sentence, a date or a setting, whose words are no names of columns.
+
+    Names between commas may have such words, as "angle of link" has; those `at_blanks` are words alone.
+    """
+    return bool((_PROSE if at_blanks else _SETTING_OR_DATE).search(comment))
 
 
 def has_rows(lines: Sequence[str]) -> bool:

@@ -56,6 +56,10 @@ its first and last row say nothing about when the log begins and ends."""
 SIMILAR_TIME = 0.5
 """Nor do those of a channel that was recorded for less than this part of the time: most rows would go."""
 
+WHOLE_CYCLES = 0.9
+"""Part of the times that have a row of every joint, in a table of such rows: a logger that is stopped, or
+loses a row, leaves few incomplete."""
+
 # What a damaged or hostile file may cost.
 
 MOST_CHARACTERS = 1_000_000_000

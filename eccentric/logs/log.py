@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from eccentric.core import InputError, few, given_path, meant, shown
 from eccentric.logs import limits
-from eccentric.logs.assemble import Column, Part, Read, number_of, overlaps
+from eccentric.logs.assemble import EITHER, Column, Part, Read, number_of, overlaps
 from eccentric.logs.formats import format_of
 from eccentric.logs.layout import POINT
 from eccentric.logs.tables import TableLike, read_memory
@@ -108,7 +108,7 @@ class Log:
         """Return the column `name` as float64 (rows,), with NaN for occasional text such as "ERR".
 
         Raises InputError if the log has no such column, if more than a fifth of its rows are text, or if a
-        number has a decimal comma.
+        number has a decimal comma or may be two numbers.
         """
         values = self.text(name)
         if values.dtype.kind == "f":
@@ -118,7 +118,8 @@ class Log:
         for row in texts:
             entry = values[row]
             hint = POINT if number_of(entry.replace(",", ".")) is not None else ""
-            if hint or len(texts) > limits.MOST_TEXT * len(values):
+            two = EITHER in entry and number_of(entry.partition(EITHER)[0]) is not None
+            if hint or two or len(texts) > limits.MOST_TEXT * len(values):
                 raise InputError(
                     f"{self.path}: {self.place(row)}, column {name!r}",
                     "a number",

@@ -36,7 +36,7 @@ def read_json(path: Path) -> Read:
     try:
         content = json.loads(text)
     except json.JSONDecodeError as error:
-        if (records := _records(text)) is not None:
+        if (records := _records(text, path)) is not None:
             return assemble({"": records})
         rest = text[error.pos :].split(maxsplit=1)
         raise InputError(
@@ -61,12 +61,25 @@ def read_json(path: Path) -> Read:
     return read
 
 
-def _records(text: str) -> list[dict[str, Any]] | None:
-    """The objects of a text with one in each line; None for another text."""
-    try:
-        found = [json.loads(line) for line in text.splitlines() if line.strip()]
-    except (ValueError, RecursionError):
-        return None
+def _records(text: str, path: Path) -> list[dict[str, Any]] | None:
+    """The objects of a text with one in each line; None for another text, InputError for a damaged line."""
+    # Not `splitlines`, which also splits at separators that JSON allows inside a text.
+    lines = [(k, line) for k, line in enumerate(text.split("\n"), start=1) if line.strip()]
+    found: list[Any] = []
+    for k, line in lines:
+        try:
+            found.append(json.loads(line))
+        except json.JSONDecodeError as error:
+            if len(found) < 2 or not all(isinstance(one, dict) for one in found):
+                return None
+            rest = line[error.pos :].strip()[:20]
+            raise InputError(
+                f"{path}: line {k}, column {error.colno}",
+                "valid JSON, an object in each line",
+                repr(rest) if rest else "the end of the line" + " (cut off?)" * (k == lines[-1][0]),
+            ) from None
+        except (ValueError, RecursionError):
+            return None
     return found if all(isinstance(one, dict) for one in found) else None
 
 

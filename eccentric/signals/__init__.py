@@ -10,7 +10,7 @@ from eccentric.signals.clock import Finding, with_doubts
 from eccentric.signals.converted import stream_columns
 from eccentric.signals.filters import is_even, low_pass_of, motion_of, rows_of_each, stretches
 from eccentric.signals.joints import read_joints
-from eccentric.signals.limits import FIT_POINTS, LEAST_HELD_OUT, MANY_RUNS
+from eccentric.signals.limits import FIT_POINTS, LEAST_HELD_OUT, MANY_RUNS, UNEVEN_STEP
 from eccentric.signals.long_log import read_long, read_long_joints
 from eccentric.signals.measured import Channels
 from eccentric.signals.motion import of_the_motor, turn_line, white_noise

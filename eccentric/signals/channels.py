@@ -465,8 +465,9 @@ def _cause(channels: Channels, rig: Rig) -> str:
         )
     if np.any(rows.moving) and max(lasts) < limits.END_S / limits.END_PART:
         return (
-            f"the longest stretch without a gap lasts {max(lasts):.3g} s, of which {limits.END_PART:.0%} at"
-            " either end is left to the filter, and rows near a reversal do not count: record longer"
+            f"the longest stretch without a gap lasts {max(lasts):.3g} s, of which"
+            f" {100 * limits.END_PART:.0f} % at either end is left to the filter,"
+            " and rows near a reversal do not count: record longer"
         )
     return f"are the units of time and {rig.axis.term('angle')} right?"
 

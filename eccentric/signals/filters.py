@@ -296,7 +296,7 @@ def suited(
     cut = max(limits.LOWEST_HZ, low_pass_hz * (limits.QUIET * signal / noise) ** (2.0 / 5.0))
     said = (
         f"at {low_pass_hz:g} Hz encoder steps and time-stamp jitter of the {rig.axis.term('angle')} make up"
-        f" {noise / size:.0%} of the"
+        f" {100 * noise / size:.0f} % of the"
         f" acceleration: the low pass is set to {cut:.2g} Hz, and both sides are averaged over"
         f" {1.0 / cut:.2g} s (low_pass_hz and average_over of the rig override this)"
     )
@@ -325,7 +325,7 @@ def _raised(
     if chosen == default:
         return rig, ""
     said = (
-        f"the load moves faster than {default:g} Hz, with {missed / seen:.0%} of the square of its"
+        f"the load moves faster than {default:g} Hz, with {100 * missed / seen:.0f} % of the square of its"
         f" acceleration: the low pass is set to {chosen:g} Hz (low_pass_hz of the rig overrides this)"
     )
     return dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, low_pass_hz=chosen)), said

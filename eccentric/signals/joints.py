@@ -90,7 +90,9 @@ def _complete(log: Log, rig: ArmRig) -> Log:
     of = "rows" if log.excerpt is None else "rows of the windows that are used"
     what = f"no number for some joint in {lost} of {log.rows} {of}"
     if lost > limits.MOST_REJECTED * log.rows:
-        raise InputError(log.path, problem=f"{what}; at most {limits.MOST_REJECTED:.0%} may be missing")
+        raise InputError(
+            log.path, problem=f"{what}; at most {100 * limits.MOST_REJECTED:.0f} % may be missing"
+        )
     found = log.rows_of(good)
     return dataclasses.replace(found, notes=(*log.notes, f"{what}: such rows are dropped"))
 

@@ -385,7 +385,7 @@ def _said(chosen: Sequence[_Chosen], axis: AxisKind) -> tuple[str, str]:
     used, whole = sum(windows.values()), sum(every.values())
     size = f"{len(windows)} of {len(every)} windows of {limits.WINDOW_S:g} s are used"
     size += f" ({used:.4g} of {whole:.5g} s)"
-    left = f"{max(0.0, *(one.choice.worse for one in chosen)):.1%} in the square of what is left"
+    left = f"{100 * max(0.0, *(one.choice.worse for one in chosen)):.1f} % in the square of what is left"
     of = "" if len(chosen) == 1 else " of every joint"
     if all(one.choice.enough for one in chosen):
         why = (

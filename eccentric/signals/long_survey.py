@@ -303,7 +303,9 @@ class _Reader:
         found, path = self._found, self._found.stream.path
         if found.rejected > limits.MOST_REJECTED * found.rows:
             what = f"no number in {found.rejected} of {found.rows} rows (first: {self._first_bad})"
-            raise InputError(path, problem=f"{what}; at most {limits.MOST_REJECTED:.0%} may be missing")
+            raise InputError(
+                path, problem=f"{what}; at most {100 * limits.MOST_REJECTED:.0f} % may be missing"
+            )
         whole: list[Window] = []
         for window in found.windows:
             short = window.finish - window.begin < limits.WINDOW_S / 2.0

@@ -383,8 +383,9 @@ def uneven(table: Table, axis: AxisKind) -> list[str]:
     if not odd:  # a clock that drifts against the grid
         return []
     text = (
-        f"time steps are uneven ({odd} of {len(steps)} differ by more than {limits.UNEVEN_STEP:.0%} from the"
-        f" usual {usual:.4g} s): for filtering, the {axis.term('angle')} is interpolated linearly"
+        f"time steps are uneven ({odd} of {len(steps)} differ by more than"
+        f" {100 * limits.UNEVEN_STEP:.0f} % from the usual {usual:.4g} s): for filtering, the"
+        f" {axis.term('angle')} is interpolated linearly"
     )
     return [text]
 

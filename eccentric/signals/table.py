@@ -286,7 +286,9 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         first = log.place(row) + log.spoilt(most, row)
         what = f"no number in {rejected} of {log.rows} rows (first: {first}; most: {most!r})"
         if rejected > limits.MOST_REJECTED * log.rows:
-            raise InputError(log.path, problem=f"{what}; at most {limits.MOST_REJECTED:.0%} may be missing")
+            raise InputError(
+                log.path, problem=f"{what}; at most {100 * limits.MOST_REJECTED:.0f} % may be missing"
+            )
         severity = "warning" if rejected > limits.MUCH_LOST * log.rows else "note"
         findings.append(
             Finding("missing", worst, f"{log.path}: {what}: such rows are dropped", rejected, severity)

@@ -49,6 +49,10 @@ friction; an error that lasts ten blocks makes them three times too small, and t
 EXPLAINED = 0.5
 """Least fraction of the drive's variance explained by the rigid body for its coefficients to count."""
 
+SEEN = 0.5
+"""Part of the amplitude of gravity that the travel must show, as between 30 deg to either side of where the
+mass hangs."""
+
 # Log and rig.
 
 FACTOR = 2.0
