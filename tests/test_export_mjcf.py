@@ -132,7 +132,7 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         ("linear_axis", [], r"a turning drive .* got a linear axis"),
         ("examples/arms/planar_2r.toml", [], r"a model of one drive .* an arm"),
         ("c2_parallel", ["--speeds", "5", "5"], r"--speeds: expected motor speeds 0 < LOW < HIGH"),
-        ("nothing_of_that_name", [], r"unknown"),
+        ("nothing_of_that_name", [], r"expected a model, .* or the folder of a fit .*, got none"),
         ("docs", [], r"docs: expected the folder of a fit or a diagnosis"),
     ],
 )

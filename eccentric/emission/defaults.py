@@ -166,7 +166,7 @@ def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
     if fitted.model not in (None, model.name):
         raise InputError(fitted.source, f"a fit of {model.name}", f"one of {fitted.model}")
     motor = [q.name for q in model.parameters if q.name in {"R", "k_i", "k_e"}]
-    given = [name for name in motor if name in fitted.values]
+    given = [name for name in motor if {name, model.axis.named(name)} & fitted.values.keys()]
     if given and given != motor:  # the others would be those of the paper's motor
         raise InputError(
             f"{fitted.source}: parameters",

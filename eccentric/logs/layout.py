@@ -69,7 +69,7 @@ def signs_of(columns: Sequence[Sequence[str]], delimiter: str) -> list[Sign]:
     """
     signed = (c for cells in columns for c in cells if "," in c or c.count(".") > 1)
     if not any(_DECIMAL_COMMA.fullmatch(c) or _groups(c) for c in signed):
-        return [Sign()] * len(columns)
+        return [Sign(assumed=not any("." in cell for cell in cells)) for cells in columns]
     proved = [_proved(cells) for cells in columns]
     table = set[str]().union(*proved)
     return [_sign(cells, own, table, delimiter) for cells, own in zip(columns, proved, strict=True)]
@@ -116,9 +116,9 @@ def _with_point(cell: str, sign: Sign) -> str:
     shown = _decimal_sign(cell)
     if shown:
         plain = cell.replace(",", "") if shown == "." else cell.replace(".", "").replace(",", ".")
-        if shown == sign.decimal or not sign.decimal:
+        if shown == sign.decimal or not sign.decimal or (sign.assumed and "." not in cell):
             return plain
-        # Of a part of a log, whose first rows showed the other sign; a decimal comma is told as such.
+        # Of a part of a log, whose first rows prove the other sign; a decimal comma is reported as such.
         return cell if "." not in cell else f"{plain}{EITHER}another"
     if found := _groups(cell):
         of, plain = found[0], cell.strip().replace(",", ".")
