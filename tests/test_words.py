@@ -117,7 +117,7 @@ LEFT = {
     "logs": (84, "what a reader says of a file: read in part, converted, left out"),
     "planning": (11, "what a piece of the motion does, progress"),
     "rigs": (18, "reasons within an error, warnings about a rig"),
-    "signals": (188, "findings, in sentences that errors of a fit have for a hint"),
+    "signals": (190, "findings, in sentences that errors of a fit have for a hint"),
 }
 """Rooms with sentences composed below `presentation`: how many, and which."""
 READ = {
