@@ -226,7 +226,7 @@ def test_what_is_clear_is_told_beside_what_is_not() -> None:
 
 @pytest.mark.slow
 def test_a_load_is_that_of_the_friction_beside_the_effect() -> None:
-    """Losses of a gear are named and sized as planted; with the friction of a first fit they would not be."""
+    """Losses of a gear are named and sized as planted, with the friction that was found beside them."""
     scenario = drawn_scenario(
         97312,
         mu=1 / 30,
