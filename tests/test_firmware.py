@@ -56,7 +56,7 @@ RUN = "make run GENERATED=../../build/my_arm"
 RENAME = "sed -i 's/c2_parallel/my_arm/g' Makefile *.c *.h"
 # An arm twice as heavy on a stronger drive, with other friction: nothing of it is the paper's.
 ARM = {
-    "M": 1.0, "M_l": 0.3, "L": 0.3, "mu": 0.25, "k_i": 0.06, "k_e": 0.06, "J_m": 2e-4, "J_l": 0.12,
+    "M": 1.0, "M_l": 0.3, "L": 0.3, "mu": 0.25, "R": 1.0, "k_i": 0.06, "k_e": 0.06, "J_m": 2e-4, "J_l": 0.12,
     "B_lN": 0.005, "C_lN": 0.07, "B_m": 8e-4, "C_m": 0.03,
 }  # fmt: skip
 

@@ -65,6 +65,9 @@ def test_the_first_result_is_what_make_prints(tmp_path: Path) -> None:
     script = re.findall(r"^\t@\$\(BIN\)/(eccentric (?:fit|diagnose) .*)$", recipe, re.MULTILINE)
     (shown,) = re.findall(r"^```\n(bench\.csv\.gz: .*?)^```$", README, re.DOTALL | re.MULTILINE)
 
+    (strict,) = re.findall(r"^STRICT := (.*)$", recipe, re.MULTILINE)
+    (compiled,) = re.findall(r'^\t@echo "(.*, compiled with) \$\(CC\)', recipe, re.MULTILINE)
+
     fitted, diagnosed = outputs(script, tmp_path)
 
-    assert first_difference(shown, f"{fitted}\n{diagnosed}") is None
+    assert first_difference(shown, f"{fitted}\n{diagnosed}{compiled} cc {strict}") is None
