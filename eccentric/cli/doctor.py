@@ -81,7 +81,8 @@ def _described(file: str) -> int:
     except InputError as error:
         with suppress(InputError, OSError):
             print(f"{file}: not readable: {format_of(Path(file)).title}")
-        print(coloured(str(error).removeprefix(f"{file}: "), "error"))
+            error = error.inside(file)
+        print(coloured(str(error), "error"))
         return 1
     return 0
 

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few
 from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
+from eccentric.logs.cells import EXACT, POINT, cells_to_column, is_number, plain_column, signs_of, units_row
 from eccentric.logs.clocks import of_clocks, of_topics
 from eccentric.logs.foreign import (
     library,
@@ -33,20 +34,7 @@ from eccentric.logs.foreign import (
     require_room_for_text,
     text_of,
 )
-from eccentric.logs.layout import (
-    EXACT,
-    POINT,
-    Layout,
-    cells_to_column,
-    is_content,
-    is_number,
-    is_prose,
-    layout_of,
-    plain_column,
-    rows_of,
-    signs_of,
-    units_row,
-)
+from eccentric.logs.layout import Layout, is_content, is_prose, layout_of, rows_of
 
 _NO_TABLES = {
     "version https://git-lfs": "a pointer of Git LFS: fetch the file itself, as with git lfs pull",

@@ -29,8 +29,8 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few, given_path, meant, shown
 from eccentric.logs import limits
 from eccentric.logs.assemble import EITHER, Column, Part, Read, number_of, overlaps
+from eccentric.logs.cells import POINT
 from eccentric.logs.formats import format_of
-from eccentric.logs.layout import POINT
 from eccentric.logs.tables import TableLike, read_memory
 
 if TYPE_CHECKING:
@@ -199,7 +199,7 @@ def read_log(source: LogSource, name: str = "table") -> Log:
         where, read = name, read_memory(source, name)
     rows = len(next(iter(read.columns.values()))) if read.columns else 0
     if rows == 0:
-        raise InputError("; ".join((f"{where}: expected a log with rows, got none", *read.notes)))
+        raise InputError(where, "a log with rows", "none", hint="; ".join(read.notes))
     return Log(where, read.columns, rows, read.lines, read.notes, units=read.units, read_as=read.read_as)
 
 
@@ -269,7 +269,7 @@ class LogStream:
         """
         found = list(self.batches(names, spans))
         if not found:
-            raise InputError("; ".join((f"{self.path}: expected a log with rows, got none", *self.notes)))
+            raise InputError(self.path, "a log with rows", "none", hint="; ".join(self.notes))
         columns: dict[str, Column] = {}
         for name in found[0].columns:
             parts = [batch.columns[name] for batch in found]
@@ -300,8 +300,7 @@ def stream_log(source: LogSource, name: str = "table") -> LogStream:
         with reader_errors(path):
             found = format_of(path).in_parts(path)
             if found is not None and (found.rows == 0 or not found.names):
-                said = (f"{shown(path)}: expected a log with rows, got none", *found.notes)
-                raise InputError("; ".join(said))
+                raise InputError(shown(path), "a log with rows", "none", hint="; ".join(found.notes))
         if found is not None:
             whole = partial(read_log, path)
             return LogStream(shown(path), found.names, found.rows, found.notes, whole, found.parts)
