@@ -1,6 +1,7 @@
 """Close the loop: effects are found and added, a control is left alone, the unknown stays unnamed."""
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -73,27 +74,31 @@ def test_a_cause_that_the_drive_cannot_have_is_excluded_with_the_reason(kind: st
 COGGING, ORDER, GEAR, INERTIA = "cogging[n=6]", 6, 0.2, 1e-3
 
 
-def swung(periods: float) -> dict[str, np.ndarray]:
-    """A drive with cogging that travels this many of its periods, to and fro: torque by closed forms."""
+def swung(reach: float, beyond: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> dict[str, np.ndarray]:
+    """A drive that swings by +-reach [rad], with a torque of its angle and direction beyond dry friction."""
     t = np.arange(0.0, 20.0, 0.004)
     parts = [(0.7, 1.9, 0.3), (0.3, 4.3, 1.0)]
-    reach = 0.5 * periods * 2.0 * np.pi / ORDER
     theta, omega, alpha = (
         reach * np.sum([a * w**n * np.sin(w * t + p + 0.5 * n * np.pi) for a, w, p in parts], axis=0)
         for n in range(3)
     )
-    dry = 0.02 * np.sign(omega) + 0.01 * np.cos(ORDER * theta) + 0.004 * np.sin(ORDER * theta)
     noise = np.random.default_rng(7).normal(0.0, 5e-4, len(t))
-    torque = INERTIA * alpha + dry + 1e-4 * omega + noise
+    torque = INERTIA * alpha + 0.02 * np.sign(omega) + beyond(theta, np.sign(omega)) + 1e-4 * omega + noise
     return {"time_s": t, "theta_m_rad": theta, "omega_m_rad_s": omega, "torque_Nm": torque}
+
+
+def found_in(log: dict[str, np.ndarray], mu: float) -> dict[str, Any]:
+    """The diagnosis of a drive without a mass."""
+    known = {"case": "C1", "mu": mu, "M_kg": 0.0, "L_m": 0.0, "J_m_kgm2": INERTIA, "J_l_kgm2": 0.0}
+    return diagnosis_document(diagnose([read_log(log)], {"drive": "torque", "known": known}))
 
 
 @pytest.mark.parametrize("periods", [0.6, 4.0])
 def test_what_repeats_with_an_angle_is_named_once_it_has(periods: float) -> None:
     """Over less than a period any smooth curve is a part of a wave: it is left out, with what was seen."""
-    known = {"case": "C1", "mu": GEAR, "M_kg": 0.0, "L_m": 0.0, "J_m_kgm2": INERTIA, "J_l_kgm2": 0.0}
-    rig = {"drive": "torque", "known": known}
-    found = diagnosis_document(diagnose([read_log(swung(periods))], rig))
+    reach = 0.5 * periods * 2.0 * np.pi / ORDER
+    log = swung(reach, lambda theta, _: 0.01 * np.cos(ORDER * theta) + 0.004 * np.sin(ORDER * theta))
+    found = found_in(log, GEAR)
 
     if periods > 1.0:
         assert [COGGING] == [effect["id"] for effect in found["effects"]]
@@ -105,6 +110,15 @@ def test_what_repeats_with_an_angle_is_named_once_it_has(periods: float) -> None
     ].items()
     assert "angle" in found["sentence"]
     assert "motor" in found["undeclared_parts"]
+
+
+@pytest.mark.parametrize("reach", [2.9, 0.3])
+def test_a_tight_spot_is_named_where_the_joint_passes_it_whole(reach: float) -> None:
+    """No joint that ends before a full turn would get one otherwise; over a part of a bump any curve fits."""
+    log = swung(reach, lambda theta, way: 0.015 * way * np.exp(-0.5 * ((theta - 0.1 * reach) / 0.15) ** 2))
+    found = found_in(log, 1.0)
+
+    assert (["local_defect"] if reach > 1.0 else []) == [effect["family"] for effect in found["effects"]]
 
 
 def test_leaves_a_control_alone(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ emitted by the same code.
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 from collections.abc import Iterable, Mapping
@@ -357,10 +358,16 @@ class Effect:
         return missing(self.only_with, parts)
 
     def periods_seen(self, setting: Setting) -> float:
-        """How many of its periods the log of a setting travels; infinite if it repeats with no angle."""
-        at = {v.mu.symbol: setting.mu} | {shape.quantity.symbol: shape.low for shape in self.shapes}
+        """How many of its longest periods the log of a setting travels; infinite if it has none."""
         rates = {term.per_turn for terms in self.change.terms.values() for term in terms} - {0}
-        return min((float(sp.sympify(x).subs(at)) * setting.turns for x in rates), default=math.inf)
+        ends = [
+            {v.mu.symbol: setting.mu}
+            | {shape.quantity.symbol: end for shape, end in zip(self.shapes, one, strict=True)}
+            for one in itertools.product(*((shape.low, shape.high) for shape in self.shapes))
+        ]
+        return min(
+            (float(sp.sympify(x).subs(at)) * setting.turns for x in rates for at in ends), default=math.inf
+        )
 
     def told_for(self, axis: AxisKind) -> Effect:
         """The effect with its words and its formula for an axis; its physics is the same."""

@@ -285,7 +285,10 @@ def kt_ripple(setting: Setting) -> Iterator[Effect]:
 
 
 def local_defect(setting: Setting) -> Iterator[Effect]:
-    """The one effect of the family, a von Mises bump; cos x - 1 is written as -2 sin^2(x/2)."""
+    """The one effect of the family, a von Mises bump; cos x - 1 is written as -2 sin^2(x/2).
+
+    It has been passed once the link has moved by four widths: a joint need not turn round for that.
+    """
     unit = setting.link_radian
     A = nonnegative("defect_A", "N m", "friction torque of the tight spot", "A")
     angle = quantity("defect_angle", unit, "link angle at the tight spot", letter="theta_0")
@@ -301,7 +304,7 @@ def local_defect(setting: Setting) -> Iterator[Effect]:
         " Mises, Physikalische Zeitschrift 19, 1918",
         shapes=(Shape(angle, -3.2, 3.2, "linear", 38), Shape(width, 0.06, 0.5, "log", 4)),
         inputs=(v.theta_m,),
-        per_turn=mu,
+        per_turn=sp.pi * mu / (2 * width.symbol),
         words=Words(
             headline="a tight spot at one angle of the link",
             meaning="A tight spot at one link angle.",
