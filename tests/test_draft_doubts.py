@@ -84,6 +84,48 @@ def test_a_torque_in_newton_metres_goes_before_one_in_per_cent() -> None:
     assert columns["torque"] == {"column": "torque_mNm", "unit": "mNm"}
 
 
+@pytest.mark.parametrize(("name", "doubted"), [("position", True), ("position_rad", False)])
+def test_a_unit_by_nothing_but_the_size_is_doubted(name: str, doubted: bool) -> None:
+    """A controller that counts turns writes columns that look the same."""
+    log = swing(name, 1.0)
+    log["torque_Nm"] -= 0.33 * np.sin(log[name])  # gravity would show the turn
+    about = [d for d in eccentric.draft_rig(log).doubts if d.startswith("theta_m")]
+
+    assert doubted == any("size" in d or "could also be" in d for d in about)
+
+
+def test_a_speed_in_parts_of_a_rated_one_is_left_out_and_one_in_counts_shows_their_number() -> None:
+    """The slope of the angle gives the speed anyway; what a count is follows from it."""
+    log = swing("q_deg", 180.0 / np.pi)
+    speed = np.gradient(log["q_deg"], log["t_s"])
+    in_parts, in_counts = (
+        tomllib.loads(eccentric.draft_rig(log | {name: speed * factor}).text)
+        for name, factor in (("speed (% of rated)", 0.1), ("speed (cnt/s)", 2048 / 360))
+    )
+
+    assert not [channel for channel in in_parts["columns"] if channel.startswith("omega")]
+    assert in_counts["encoder_counts_per_rev"] == 2048
+
+
+def test_a_signal_and_a_filtered_copy_without_names_are_no_voltage_and_current() -> None:
+    """A voltage has a part of the speed that the current has not."""
+    log = swing("q_rad", 1.0)
+    torque = log.pop("torque_Nm")
+    log |= {"ch_a": torque, "ch_b": np.convolve(torque, np.full(5, 0.2), "same")}
+
+    assert tomllib.loads(eccentric.draft_rig(log).text)["columns"].keys() & {"voltage", "current"} == {
+        "current"
+    }
+
+
+def test_tenths_of_a_degree_are_not_taken_for_kelvin_without_a_doubt() -> None:
+    """A converter often logs 304 for 30.4 degC."""
+    log = swing("q_rad", 1.0)
+    log["front_temp"] = 300.0 + np.round(np.linspace(0.0, 8.0, len(log["t_s"])))
+
+    assert any(d.startswith("temperature") and "size" in d for d in eccentric.draft_rig(log).doubts)
+
+
 @pytest.mark.parametrize(("factor", "doubted"), [(1.0, False), (1.2, True)])
 def test_a_torque_constant_that_gravity_does_not_allow_is_doubted(factor: float, doubted: bool) -> None:
     """A fifth too much can be fitted: the check says that nothing else in the log agrees with it."""

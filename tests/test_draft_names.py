@@ -205,6 +205,13 @@ def test_columns_left_out_for_one_reason_share_a_line() -> None:
         ("z-direction force", "torque", ""),
         ("forward direction current", "current", ""),
         ("motor direction", "direction", ""),
+        ("AxisTor_A1", "torque", ""),
+        ("Axis.StatusDrive.ActualTorque", "torque", "measured"),
+        ("torque_status", "torque", "other"),
+        ("T_des", "", "set"),
+        ("MotT", "", ""),
+        ("ms_today", "time", ""),
+        ("speed_ms", "speed", ""),
     ],
 )
 def test_a_name_says_where_a_column_comes_from(text: str, quantity: str, role: str) -> None:
@@ -212,6 +219,26 @@ def test_a_name_says_where_a_column_comes_from(text: str, quantity: str, role: s
     name = read_name(text)
 
     assert (name.quantity, name.role) == (quantity, role)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("Velocity [cnt/sec]", "counts/s"),
+        ("Position actual value [inc]", "counts"),
+        ("转矩(N·m)", "N m"),
+        ("acc_ms2", "m/s^2"),
+        ("ms_today", "ms"),
+        ("speed (% of rated)", "%"),
+        ("AxisPos_A1", ""),
+        ("i_A2", "A"),
+        ("speed_ms", ""),
+        ("theta_deg2", "deg"),
+    ],
+)
+def test_a_name_says_its_unit(text: str, unit: str) -> None:
+    """A number behind it may be that of an axis, a power of the unit or one of several columns."""
+    assert read_name(text).unit == unit
 
 
 @pytest.mark.parametrize(

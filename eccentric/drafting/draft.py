@@ -250,6 +250,7 @@ def _moving(
     """The angle and the speed: a column and its slope, by their names, or what explains a third column."""
     signals = [c for c in free if c.name.signal]
     could = [c for c in signals if c.name.quantity not in _NAMED or _letter(c)]
+    could = [c for c in could if not c.name.is_rated] or could
     could = _few(could, ("angle", "speed"))
     if any(c.name.quantity in ("angle", "speed") and c.name.role != "electrical" for c in could):
         # An electrical speed is that of the shaft times the pole pairs: taken where there is nothing else.
@@ -462,6 +463,7 @@ def _channels(
 ) -> list[Proposal]:
     """Time, run, angle and speed in the units of the best reading."""
     best = found[0]
+    shown = bool(best.why["angle"]) or (given.speed is not None and bool(given.speed.name.unit))
     time = clock.proposal
     if best.time != time.unit:
         said = f"{best.time} fits the units of angle and speed"
@@ -495,6 +497,8 @@ def _channels(
             doubts.append(
                 f"could also be {' or '.join(said_others)}" if said_others else "unit only from its size"
             )
+        elif not shown:
+            doubts.append(f"{unit} only from its size")
         if unit.startswith("counts") and best.product:
             doubts.append("the log shows counts per turn times gear, not each: check encoder_counts_per_rev")
         if unit.startswith("counts") and not best.counts:

@@ -102,7 +102,7 @@ def find_drives(
     kept = _measured_current(kept, left_out)
     taken: dict[str, Driven] = {}
     proposals: dict[str, Proposal] = {}
-    for one in _voltage_among(kept):
+    for one in kept:
         first = taken.setdefault(one.kind, one)
         if first is one:
             proposals[one.kind] = _proposal(one, motion)
@@ -276,19 +276,6 @@ def _kind(column: LoggedColumn, balance: Explained) -> Driven:
     else:
         kind, doubt, sure = "current", "no name; a torque would look the same", 0.6
     return Driven(column, kind, balance, evidence, doubt, sure)
-
-
-def _voltage_among(kept: list[Driven]) -> list[Driven]:
-    """Of two currents without names, the one that follows the speed more is taken for the voltage."""
-    unnamed = [one for one in kept if one.kind == "current" and not one.column.name.quantity]
-    if len(unnamed) < 2 or any(one.kind == "voltage" for one in kept):
-        return kept
-    most = max(unnamed, key=lambda one: one.balance.shares["speed"])
-    doubt = "no name: of two alike it follows the speed more"
-    return [
-        dataclasses.replace(one, kind="voltage", doubt=doubt, sure=0.6) if one is most else one
-        for one in kept
-    ]
 
 
 def _as_voltage(grid: Grid, motion: Moved, column: LoggedColumn, current: Driven) -> str:

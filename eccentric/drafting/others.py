@@ -41,7 +41,7 @@ def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedC
     else:
         doubts.append("no name; any slow signal would look the same")
         sure = 0.6
-    if not temperature.name.unit and not (low > 200.0 or high < 150.0):
+    if not temperature.name.unit and high >= 150.0:
         doubts.append("unit only from its size")
     elif not temperature.name.unit:
         evidence.append(f"{unit} by its size")

@@ -46,6 +46,9 @@ def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[Rig
         by_gravity = not given.wrap and not given.factor
         doubt = SHORT if by_gravity and balance is not None and balance.turns < 1.0 else ""
         return [RigLine("", key, f"{best.counts:g}", why, doubt, guessed=bool(doubt))]
+    if best.speed == "counts/s" and best.counts:
+        why = next(w for w in best.why["speed"] if "a turn has" in w)
+        return [RigLine("", key, f"{best.counts:g}", why)]
     unit = {"rad": 1.0, "deg": TURN / 360.0, "rev": TURN, "mrad": 1e-3}[best.angle]
     if given.step:
         counts = TURN / (given.step * unit)

@@ -294,7 +294,8 @@ def _score(column: LoggedColumn, ends: NDArray[np.bool_]) -> float:
     if usual <= 0.0:
         return 0.0
     uneven = float(np.median(np.abs(np.diff(steps)))) / usual
-    named = {"time": 3.0, "": 1.0}.get(column.name.quantity, 0.1)
+    other = 0.1 if column.name.weak or column.name.quantity == "other" else 0.0
+    named = {"time": 3.0, "": 1.0}.get(column.name.quantity, other)
     return named / (1.0 + 4.0 * uneven)
 
 
@@ -423,7 +424,7 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
         counts, product, said = _counts(given, speed, later)
         by_gravity += said if product else ()
         why["angle"] += said
-    unit = TURN / counts if counts else _factor(angle, _ANGLES)
+    unit = TURN / counts if angle == "counts" and counts else _factor(angle, _ANGLES)
     if angle and given.angle is not None:
         weight *= _named(given.angle, angle)
         if given.angle.name.unit:
@@ -437,7 +438,13 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
         weight *= factor
         by_gravity += said
         why["angle"] += said
-    per = unit if speed == "counts/s" else _factor(speed, _SPEEDS)
+    told = given.speed is not None and given.speed.name.unit == "counts/s"
+    if told and speed == "counts/s" and angle != "counts" and given.factor and unit:
+        turn = TURN * abs(given.factor) / (unit * later)
+        counts = nice_counts(turn, limits.FACTOR)
+        why["speed"] += (f"by the slope of the angle a turn has {turn:.6g} counts",) if counts else ()
+    of_count = TURN / counts if counts else unit
+    per = of_count if speed == "counts/s" else _factor(speed, _SPEEDS)
     ratio = 1.0
     if speed and given.speed is not None:
         weight *= _named(given.speed, speed)

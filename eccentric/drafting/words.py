@@ -31,7 +31,7 @@ _WORDS = {
     " tensione tensao voltaje 电压 電圧 напряжение"
     " pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse"
     " stellgrosse",
-    "torque": "tau torque torq moment trq drehmoment tq mot_torque force kraft thrust couple coppia"
+    "torque": "tau torque torq tor moment trq drehmoment tq mot_torque force kraft thrust couple coppia"
     " 转矩 扭矩 力矩 トルク момент τ",
     "temperature": "temp temperature temperatures temperatur temperatura celsius tmot 温度 температура",
     "supply": "supply vsupply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis mains mainvoltage"
@@ -93,14 +93,17 @@ _SPELLINGS = {
     "m_s": "m/s", "mm_s": "mm/s", "um_s": "um/s", "cm_s": "cm/s",
     "mrad_s": "mrad/s",
     "rad_s": "rad/s", "rads": "rad/s", "rad/sec": "rad/s", "rad_sec": "rad/s", "rad s^-1": "rad/s",
+    "rad_s2": "rad/s^2", "rads2": "rad/s^2", "m_s2": "m/s^2", "ms2": "m/s^2",
     "rad_per_s": "rad/s", "deg_s": "deg/s", "°/s": "deg/s", "dps": "deg/s", "deg/sec": "deg/s",
     "deg_per_s": "deg/s", "1/min": "rpm", "min^-1": "rpm", "min-1": "rpm", "u/min": "rpm", "r/min": "rpm",
     "rev/min": "rpm", "об/мин": "rpm", "r.p.m.": "rpm",
     "rev_s": "rev/s", "rps": "rev/s", "counts_s": "counts/s", "cnt": "counts",
     "count": "counts", "inc": "counts", "ticks": "counts", "grad": "deg", "nm": "Nm", "n m": "N m",
-    "n_m": "N m", "n*m": "N m", "mnm": "mNm", "ma": "mA", "mv": "mV", "degc": "degC", "c": "degC",
+    "n_m": "N m", "n*m": "N m", "n·m": "N m", "n.m": "N m",
+    "mnm": "mNm", "ma": "mA", "mv": "mV", "degc": "degC", "c": "degC",
     "celsius": "degC", "°c": "degC", "sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "µs": "us",
-    "pct": "%", "percent": "%", "prozent": "%", "% rated": "%", "‰": "‰", "permille": "‰", "per mille": "‰",
+    "pct": "%", "percent": "%", "prozent": "%",
+    "% rated": "%", "% of rated": "%", "% of max": "%", "‰": "‰", "permille": "‰", "per mille": "‰",
     "promille": "‰", "permil": "‰", "0.1%": "‰", "0.1 %": "‰", "1/1000": "‰", "hz": "rev/s",
     "kmh": "km/h", "km_h": "km/h", "kph": "km/h", "km/h": "km/h", "m_min": "m/min", "mph": "mph",
     "aeff": "A", "arms": "A", "a rms": "A", "a_rms": "A", "veff": "V", "vrms": "V", "v rms": "V",
@@ -124,7 +127,8 @@ _WORDED = {
     "amps": "A", "amperes": "A", "ampere": "A", "milliamps": "mA", "mamps": "mA", "volts": "V",
     "millivolts": "mV", "newton": "N", "newtons": "N",
     "meters": "m", "metres": "m", "meter": "m", "metre": "m",
-    "pulses": "counts", "ticks": "counts", "cts": "counts",
+    "pulses": "counts", "ticks": "counts", "cts": "counts", "cnt": "counts", "cnts": "counts",
+    "inc": "counts", "incs": "counts", "qc": "counts",
 }  # fmt: skip
 """Units by their words, as parts of one: degrees/sec, newton-meters."""
 _BRACKETS = re.compile(r"\s*(?:\[([^\]]*)\]|\(([^)]*)\)|\bin\s+(\S+)$|\s/\s*(\S+)$)")
@@ -200,7 +204,10 @@ def read_name(text: str, unit: str = "") -> Name:
         return Name(text, dimension_of(spelled(plain)), spelled(plain))
     found, plain = (spelled(given), plain) if given else _suffix(plain)
     plain = _OUTPUT.sub("", plain)
-    words = [word for token in _TOKENS.findall(_letters(plain)) for word in _parts(token.lower())]
+    tokens = _TOKENS.findall(_letters(plain))
+    # T is the time where it is all of a name, and not that of "T_des" and "MotT".
+    said = [one for one in tokens if one != "T"] or tokens
+    words = [word for one in said for word in _parts(one.lower())]
     # "feed forward", "LuGre" and "set point" are one word each, as is a name in parts.
     pairs = [first + second for first, second in itertools.pairwise(words)]
     named = [(_OF_WORD[w], w) for w in (*words, *pairs) if w in _OF_WORD]
@@ -212,7 +219,12 @@ def read_name(text: str, unit: str = "") -> Name:
     if [w for w in words if not w.isdigit()][-1:] == ["effort"]:
         named.append(("torque", "effort"))
     role = _role(plain, words, pairs)
+    by_suffix = "" if given else dimension_of(found)
+    if named and by_suffix not in {"", *dict(named)} and (by_suffix == "time" or _AXIS.search(text)):
+        found = ""  # of speed_ms, AxisPos_A1
     quantity, word = _chosen(named, found)
+    if not named and words[:1] in (["ms"], ["us"]):
+        quantity, word, found = "time", words[0], words[0]  # ms_today
     if not named and words[:1] == ["f"]:
         quantity, word = "torque", "f"
     if not named and words[:1] == ["m"] and role in ("measured", "set"):
@@ -228,6 +240,7 @@ def read_name(text: str, unit: str = "") -> Name:
 
 _NO_UNITS = frozenset({"min", "hz", "count", "counts", "cnt", "inc", "ticks", "grad", "rev", "rads"})
 """Units that are names of other things where they are the whole name of a column."""
+_AXIS = re.compile(r"(?<![A-Z])[A-Z]\d+$")
 _OUTPUT = re.compile(r"^out\.")
 """What Simulink calls the structure that holds all outputs: no side of a gear."""
 
@@ -283,6 +296,8 @@ def _parts(word: str) -> tuple[str, ...]:
 def _role(plain: str, words: Sequence[str], pairs: Sequence[str]) -> str:
     """Where a column comes from, as its words say."""
     said = {_OF_ROLE[w] for w in (*words, *pairs) if w in _OF_ROLE}
+    if "status" in words and any(_OF_WORD.get(w) in _KINDS for w in words[words.index("status") :]):
+        said = {_OF_ROLE[w] for w in (*words, *pairs) if w in _OF_ROLE and w != "status"}  # status.current
     # Of q_d, i_d: desired, or the d axis; rotation/w: a part of a quaternion.
     if re.search(r"[a-z0-9]_d(?![a-z])", plain, re.IGNORECASE) and "d" in words[1:]:
         said.add("set")
@@ -365,18 +380,19 @@ def _suffix(text: str) -> tuple[str, str]:
     body, number = (match[1], match[2] or "") if match else (text, "")
     if body.lower() in ("rpm", "erpm", "dps"):
         return spelled(body.lower().removeprefix("e")), text
-    for pattern in _ENDS:
-        tail = re.search(pattern, body)
+    for (whole, more), pattern in itertools.product(((text, ""), (body, number)), _ENDS):
+        tail = re.search(pattern, whole)
         if tail is None:
             continue
         said = tail[1]
         # A single letter is a unit only in its own case, and two words only where they are known as one.
+        known = said.lower() in _SPELLINGS
         if (len(said) == 1 and said not in {"s", "A", "V", "C", "K", "N"}) or (
-            "_" in said and said.lower() not in _SPELLINGS
+            not known and ("_" in said or said[-1].isdigit())
         ):
             continue
         if found := spelled(said):
-            return found, body[: tail.start()] + number
+            return found, whole[: tail.start()] + more
     # A quantity over its unit, as ISO 80000 writes it: n/rpm; but rad/s is a unit as it stands.
     for whole, more in ((text, ""), (body, number)):
         quantity, slash, said = whole.partition("/")
