@@ -212,6 +212,18 @@ def test_columns_left_out_for_one_reason_share_a_line() -> None:
         ("MotT", "", ""),
         ("ms_today", "time", ""),
         ("speed_ms", "speed", ""),
+        ("%time", "time", ""),
+        ("Consigne (rad)", "angle", "set"),
+        ("theta_ddot", "acceleration", ""),
+        ("U_A", "voltage", ""),
+        ("bat_voltage", "supply", ""),
+        ("I_in", "supply", ""),
+        ("EL_ANGLE", "angle", "electrical"),
+        ("ticks_left", "angle", ""),
+        ("Drehgeber [Inkr]", "angle", ""),
+        ("prędkość", "speed", ""),
+        ("snelheid", "speed", ""),
+        ("토크", "torque", ""),
     ],
 )
 def test_a_name_says_where_a_column_comes_from(text: str, quantity: str, role: str) -> None:

@@ -18,24 +18,27 @@ from eccentric.logs import parse_unit
 _WORDS = {
     "time": "t time times timestamp stamp zeit clock tick ticks uptime elapsed millis micros sec secs seconds"
     " nsec nanosec nanoseconds msec usec dt ts epoch utc date datetime tiempo temps tempo latency jitter"
-    " zeitstempel uhrzeit datum 时间 時間 время",
+    " zeitstempel uhrzeit datum tijd tid czas zaman 시간 时间 時間 время",
     "angle": "theta angle ang pos position q winkel lage enc encoder rotation drehwinkel phi th stroke weg"
-    " angulo posicion posizione posicao qpos observationstate 角度 位置 угол положение θ ϑ φ ϕ",
+    " angulo angolo posicion posizione posicao qpos observationstate drehgeber"
+    " hoek vinkel kat polozenie konum 각도 角度 位置 угол положение θ ϑ φ ϕ",
     "speed": "omega w speed spd vel velo velocity drehzahl dq qd qdot thetadot dtheta rpm geschwindigkeit"
-    " n om vitesse velocidad velocidade velocita phidot dphi gyro angularvelocity qvel erpm 转速 速度 回転数"
+    " n om vitesse velocidad velocidade velocita phidot dphi gyro angularvelocity qvel erpm giri"
+    " snelheid toerental hastighet predkosc hiz hız 속도 转速 速度 回転数"
     " скорость ω",
-    "acceleration": "acc accel acceleration qdd ddq ddtheta beschleunigung qacc a 加速度",
+    "acceleration": "acc accel acceleration qdd ddq qddot ddot ddtheta thetaddot beschleunigung qacc a"
+    " 加速度",
     "current": "i iq current curr cur strom amps ampere amp amperage isense imot motorstrom isq corriente"
-    " corrente courant 电流 電流 ток",
+    " corrente courant stroom prad akım 전류 电流 電流 ток",
     "voltage": "u uq vq voltage volt volts spannung umot vmot v klemmenspannung usq tension"
-    " tensione tensao voltaje 电压 電圧 напряжение"
+    " tensione tensao voltaje vmotor vmot spanning napiecie gerilim 전압 电压 電圧 напряжение"
     " pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse"
     " stellgrosse",
     "torque": "tau torque torq tor moment trq drehmoment tq mot_torque force kraft thrust couple coppia"
-    " 转矩 扭矩 力矩 トルク момент τ",
+    " koppel vridmoment tork 토크 转矩 扭矩 力矩 トルク момент τ",
     "temperature": "temp temperature temperatures temperatur temperatura celsius tmot 温度 температура",
-    "supply": "supply vsupply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis mains mainvoltage"
-    " ubus ibus idc udc inputvoltage voltagein inputcurrent currentin",
+    "supply": "supply vsupply bus vbus vdc battery vbat batt bat iin dclink vin ubat zwischenkreis mains"
+    " mainvoltage ubus ibus idc udc inputvoltage voltagein inputcurrent currentin",
     "duty": "pwm duty dutycycle motorpwm",
     "direction": "direction dir drehrichtung richtung sign cw ccw clockwise",
     "run": "run trial experiment versuch lauf series record test messung",
@@ -65,8 +68,8 @@ _ROLES = {
     "set": "goal target targ tgt cmd cmds cmnd command commanded commands ref refs reference set setp sp"
     " setpoint setvalue setpos setvelo settorque desired des soll sollwert demand demanded des wanted"
     " request requested req planned plan trajectory traj profile nominal action actions ctrl inputpos"
-    " inputvel controllerinput 目标 目標 指令 给定",
-    "electrical": "erpm electrical elec elektrisch elektrische",
+    " inputvel controllerinput consigne consigna referencia riferimento 目标 目標 指令 给定",
+    "electrical": "erpm electrical elec el eangle elektrisch elektrische",
     "filtered": "filtered filt averaged avg smoothed smooth lowpass clean gefiltert",
     "estimated": "estimate estimated est hat observer observed obs kalman ekf ukf",
     "measured": "measured mess gemessen meas measurement mes actual act feedback fb fbk ist istwert sensed"
@@ -128,11 +131,11 @@ _WORDED = {
     "millivolts": "mV", "newton": "N", "newtons": "N",
     "meters": "m", "metres": "m", "meter": "m", "metre": "m",
     "pulses": "counts", "ticks": "counts", "cts": "counts", "cnt": "counts", "cnts": "counts",
-    "inc": "counts", "incs": "counts", "qc": "counts",
+    "inc": "counts", "incs": "counts", "inkr": "counts", "qc": "counts",
 }  # fmt: skip
 """Units by their words, as parts of one: degrees/sec, newton-meters."""
 _BRACKETS = re.compile(r"\s*(?:\[([^\]]*)\]|\(([^)]*)\)|\bin\s+(\S+)$|\s/\s*(\S+)$)")
-_TOKENS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[°µ%]\w*|[^\W\d_a-zA-Z]+")
+_TOKENS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[°µ]\w*|[^\W\d_a-zA-Z]+")
 _RATED = ("%", "‰", "pu")
 """Parts of a rated value, which no log holds."""
 
@@ -220,9 +223,11 @@ def read_name(text: str, unit: str = "") -> Name:
         named.append(("torque", "effort"))
     role = _role(plain, words, pairs)
     by_suffix = "" if given else dimension_of(found)
-    if named and by_suffix not in {"", *dict(named)} and (by_suffix == "time" or _AXIS.search(text)):
-        found = ""  # of speed_ms, AxisPos_A1
+    if named and by_suffix not in {"", *dict(named)} and (by_suffix == "time" or len(found) == 1):
+        found = ""  # of speed_ms, AxisPos_A1, U_A
     quantity, word = _chosen(named, found)
+    if word in ("tick", "ticks") and {*words} & {"left", "right", "wheel", "l", "r", *_MOTOR, *_LINK}:
+        quantity, found = "angle", "counts"
     if not named and words[:1] in (["ms"], ["us"]):
         quantity, word, found = "time", words[0], words[0]  # ms_today
     if not named and words[:1] == ["f"]:
@@ -240,7 +245,6 @@ def read_name(text: str, unit: str = "") -> Name:
 
 _NO_UNITS = frozenset({"min", "hz", "count", "counts", "cnt", "inc", "ticks", "grad", "rev", "rads"})
 """Units that are names of other things where they are the whole name of a column."""
-_AXIS = re.compile(r"(?<![A-Z])[A-Z]\d+$")
 _OUTPUT = re.compile(r"^out\.")
 """What Simulink calls the structure that holds all outputs: no side of a gear."""
 
