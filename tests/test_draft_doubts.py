@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -105,6 +106,37 @@ def test_a_speed_in_parts_of_a_rated_one_is_left_out_and_one_in_counts_shows_the
 
     assert not [channel for channel in in_parts["columns"] if channel.startswith("omega")]
     assert in_counts["encoder_counts_per_rev"] == 2048
+
+
+@pytest.mark.parametrize(("shown", "doubted"), [(np.abs, True), (np.asarray, False), (np.square, False)])
+def test_a_speed_that_bounces_off_zero_has_lost_its_sign(
+    shown: Callable[[np.ndarray], np.ndarray], doubted: bool
+) -> None:
+    """One that only turns one way slows down towards zero, as the square of a sine does."""
+    t = np.arange(0.0, 30.0, 0.004)
+    speed = shown(20.0 * np.sin(TURN * 0.4 * t))
+    log = {"t_s": t, "speed_rpm": speed, "current_A": 0.1 * speed + 0.02 * np.gradient(speed, t)}
+
+    assert doubted == any("sign is missing" in doubt for doubt in eccentric.draft_rig(log).doubts)
+
+
+def test_the_registers_of_a_servo_are_read_by_their_ratio() -> None:
+    """One of the speed is 0.229 rpm, which makes 4096 counts a turn; the supply is in tenths of a volt."""
+    log = swing("present_position", 4096 / TURN, counts=True)
+    omega = np.gradient(log["present_position"] * TURN / 4096, log["t_s"])
+    log["present_velocity"] = np.round(omega * 60 / TURN / 0.229)
+    log |= {
+        "present_pwm": np.round(200 * log["torque_Nm"]),
+        "present_input_voltage": np.full(len(omega), 120.0),
+    }
+    del log["torque_Nm"]
+    draft = eccentric.draft_rig(log)
+    rig = tomllib.loads(draft.text)
+    moving = {channel: c for channel, c in rig["columns"].items() if channel.startswith("omega")}
+
+    assert rig["encoder_counts_per_rev"] == 4096
+    assert [*moving.values()] == [{"column": "present_velocity * 0.229", "unit": "rpm"}]
+    assert any("tenths of a volt" in doubt for doubt in draft.doubts)
 
 
 def test_a_signal_and_a_filtered_copy_without_names_are_no_voltage_and_current() -> None:

@@ -27,6 +27,7 @@ from eccentric.drafting.drives import (
     CONSTANT,
     KINDS,
     UNSIGNED,
+    bounces,
     coasts,
     find_drives,
     with_direction,
@@ -34,9 +35,9 @@ from eccentric.drafting.drives import (
 )
 from eccentric.drafting.joints import joint_called, joint_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
-from eccentric.drafting.proposal import Proposal, RigLine
+from eccentric.drafting.proposal import Proposal, RigLine, quoted
 from eccentric.drafting.questions import added_asked, entries_of, facts_of, line_asked, one_way, turns_asked
-from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, opened_to_draft, readings
+from eccentric.drafting.units import REGISTER, SECONDS, Clock, Reading, Shown, opened_to_draft, readings
 from eccentric.drafting.words import Name, is_mass, of_a_carriage
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
@@ -91,6 +92,9 @@ class Draft:
         return tuple(entry for entry in self.entries if entry.asked)
 
 
+_UNSIGNED_SPEED = (
+    "never negative, without slowing down to zero: if the shaft turns both ways, its sign is missing"
+)
 _RATIO = {"duty": "a duty cycle: the voltage is logged", "supply": "supply voltage"}
 
 
@@ -139,6 +143,8 @@ def draft_of(log: Log) -> Draft:
     if angle is not None and speed is not None and _along_the_rim(angle, speed):
         speed = pair = None
     doubt = "; ".join(filter(None, (doubt, joint.doubt)))
+    if angle is None and speed is not None and bounces(speed):
+        doubt = "; ".join(filter(None, (doubt, _UNSIGNED_SPEED)))
     motion = motion_from(grid, angle, speed)
     rest = [c for c in free if c not in (angle, speed)]
     rest, copies = _without_copies(grid, rest, angle, speed)
@@ -505,9 +511,13 @@ def _channels(
             doubts.append("the log does not show how many counts make a turn: set encoder_counts_per_rev")
         channel = f"theta_{gear.angle}" if what == "angle" else f"omega_{gear.speed}"
         by_gravity = best.by_gravity if what == "angle" else ()
-        proposals.append(
-            Proposal(channel, column.text, unit, tuple(said), sure, "; ".join(doubts), by_gravity=by_gravity)
+        found_in = Proposal(
+            channel, column.text, unit, tuple(said), sure, "; ".join(doubts), by_gravity=by_gravity
         )
+        if unit == REGISTER:
+            source = f"{quoted(column.text)} * 0.229"
+            found_in = replace(found_in, source=source, unit="rpm", reads=(column.text,))
+        proposals.append(found_in)
     return proposals
 
 

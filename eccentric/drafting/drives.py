@@ -420,6 +420,15 @@ def _is_size(proposal: Proposal, columns: Mapping[str, LoggedColumn]) -> bool:
     return moves and column is not None and bool(np.all(column.values >= 0.0))
 
 
+def bounces(speed: LoggedColumn) -> bool:
+    """Whether a speed that is never negative reaches zero without slowing down, as a magnitude does."""
+    steps = np.abs(np.diff(speed.values))
+    low = speed.values[1:] < limits.LOW * float(np.quantile(speed.values, 0.99))
+    visits = np.count_nonzero(low[1:] & ~low[:-1])
+    signed = bool(np.any(speed.values < 0.0)) or visits < limits.FEW_VISITS
+    return not signed and float(np.mean(steps[low])) > 0.5 * float(np.mean(steps))
+
+
 UNSIGNED = "never negative though the shaft turns both ways: its sign is missing, and no fit can be right"
 
 

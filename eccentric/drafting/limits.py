@@ -65,6 +65,8 @@ GRAVITY = 0.02
 average out over both directions."""
 DRIFTS, GRAVITY_OR_DRIFT = 2.0, 0.1
 """Periods in the travel up to which a drift can be read as a swing, and what gravity has to explain there."""
+LOW, FEW_VISITS = 0.05, 3
+"""Part of the largest speed that counts as near zero, and how often one without a sign gets there."""
 BOTH_WAYS = 0.05
 """Part of the motion in the rarer direction from which friction's harmonics can be told from gravity."""
 SIGN = 0.05

@@ -320,9 +320,11 @@ def _units(column: LoggedColumn, step: float, length: float) -> dict[str, float]
 TURN = 2.0 * math.pi
 _ANGLES = {"rad": 1.0, "deg": TURN / 360.0, "rev": TURN, "mrad": 1e-3}
 _SPEEDS = {"rad/s": 1.0, "rpm": TURN / 60.0, "deg/s": TURN / 360.0, "rev/s": TURN}
+REGISTER = "0.229 rpm"
+"""What one of `present_velocity` is in the servos that have registers of such names (Dynamixel X and P)."""
 _PRIOR = {
     "rad": 1.0, "deg": 0.7, "counts": 0.6, "rev": 0.1, "mrad": 0.005,
-    "rad/s": 1.0, "rpm": 0.7, "deg/s": 0.5, "rev/s": 0.1, "counts/s": 0.1,
+    "rad/s": 1.0, "rpm": 0.7, "deg/s": 0.5, "rev/s": 0.1, "counts/s": 0.1, "0.229 rpm": 3.0,
 }  # fmt: skip
 _SAME = {"turn": "rev", "degree": "deg", "degrees": "deg", "°": "deg", "turn/s": "rev/s"}
 _USUAL = {
@@ -390,6 +392,8 @@ def readings(given: Shown) -> list[Reading]:
     """All readings, best first; their weights add up to 1."""
     angles = [""] if given.angle is None else _units_of(given.angle, [*_ANGLES, "counts"], "rad")
     speeds = [""] if given.speed is None else _units_of(given.speed, [*_SPEEDS, "counts/s"], "rad/s")
+    if given.speed is not None and given.speed.is_whole and "present" in given.speed.text.lower():
+        speeds = [*speeds, REGISTER]
     found = [
         reading
         for time, angle, speed in itertools.product(given.time, angles, speeds)
@@ -411,6 +415,8 @@ def _factor(unit: str, usual: Mapping[str, float]) -> float:
     """The SI value of one of a unit of motion; 0 for none and for counts."""
     if unit in ("", "counts", "counts/s"):
         return 0.0
+    if unit == REGISTER:
+        return 0.229 * usual["rpm"]
     return usual.get(unit) or parse_unit(unit, "").factor
 
 

@@ -69,7 +69,7 @@ _ROLES = {
     " setpoint setvalue setpos setvelo settorque desired des soll sollwert demand demanded des wanted"
     " request requested req planned plan trajectory traj profile nominal action actions ctrl inputpos"
     " inputvel controllerinput consigne consigna referencia riferimento 目标 目標 指令 给定",
-    "electrical": "erpm electrical elec el eangle elektrisch elektrische",
+    "electrical": "erpm electrical elec el eangle thetae elektrisch elektrische",
     "filtered": "filtered filt averaged avg smoothed smooth lowpass clean gefiltert",
     "estimated": "estimate estimated est hat observer observed obs kalman ekf ukf",
     "measured": "measured mess gemessen meas measurement mes actual act feedback fb fbk ist istwert sensed"
