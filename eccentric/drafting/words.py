@@ -223,7 +223,8 @@ def read_name(text: str, unit: str = "") -> Name:
         named.append(("torque", "effort"))
     role = _role(plain, words, pairs)
     by_suffix = "" if given else dimension_of(found)
-    if named and by_suffix not in {"", *dict(named)} and (by_suffix == "time" or len(found) == 1):
+    fits = not named or any(by_suffix in ("", q) or (q, by_suffix) in _COMPATIBLE for q, _ in named)
+    if not fits and (by_suffix == "time" or len(found) == 1):
         found = ""  # of speed_ms, AxisPos_A1, U_A
     quantity, word = _chosen(named, found)
     if word in ("tick", "ticks") and {*words} & {"left", "right", "wheel", "l", "r", *_MOTOR, *_LINK}:
