@@ -344,7 +344,8 @@ _CALLS: dict[Any, Any] = {
 }
 # How they are called on single numbers.
 _ONCE: dict[Any, Any] = {_put: lambda x, where, y: np.where(where, x, y), _horner_on_arrays: _horner}
-_MASKS = {np.greater, np.less, np.less_equal, np.equal, np.logical_not}  # what gives true or false
+# What gives true or false.
+_MASKS = {np.greater, np.greater_equal, np.less, np.less_equal, np.equal, np.logical_not}
 
 
 class _Layout:
