@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.2.0b1, program 8671e8ff).
+ * (eccentric 0.2.0b1, program 7d8fcd5d).
  * Case C1 with friction that differs between the directions of motion.
  */
 /* Begin with c1_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0x8671e8ffUL
+#define C1_ASYMMETRIC_PROGRAM 0x7d8fcd5dUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does
  * not link against the other alone: it is part of all function names, as in c1_asymmetric_mechanical_friction_torque_double. */

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.2.0b1, program dfed04e0).
+ * (eccentric 0.2.0b1, program 829f4dce).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0xdfed04e0UL
+#define C1_PERPENDICULAR_PROGRAM 0x829f4dceUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does
  * not link against the other alone: it is part of all function names, as in c1_perpendicular_mechanical_friction_torque_double. */

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.2.0b1, program 7ed4a6fc).
+ * (eccentric 0.2.0b1, program 3b823bb4).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Begin with c2_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x7ed4a6fcUL
+#define C2_ASYMMETRIC_PROGRAM 0x3b823bb4UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does
  * not link against the other alone: it is part of all function names, as in c2_asymmetric_mechanical_friction_torque_double. */

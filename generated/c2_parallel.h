@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.2.0b1, program 8a5c1d2f).
+ * (eccentric 0.2.0b1, program ee4fc15e).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 /* Begin with c2_parallel_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x8a5c1d2fUL
+#define C2_PARALLEL_PROGRAM 0xee4fc15eUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does
  * not link against the other alone: it is part of all function names, as in c2_parallel_mechanical_friction_torque_double. */

@@ -180,6 +180,14 @@ class Coefficients:
         return scaled - (scaled - x)
 
 
+def _computed(steps: Sequence[tuple[str, Any, list[str]]], known: dict[str, Any]) -> dict[str, Any]:
+    """Add the values of these steps to those that are known."""
+    with np.errstate(all="ignore"):
+        for name, operation, operands in steps:
+            known[name] = np.asarray(operation(*(known[operand] for operand in operands)))
+    return known
+
+
 class _Prepared:
     """The coefficients of one set of parameters: numbers for kernels on floats, arrays for recorded steps."""
 
@@ -197,11 +205,7 @@ class _Prepared:
     def constants(self, plan: _Plan) -> dict[str, Any]:
         """Everything that the steps of a plan read and that no sample changes, by its name there."""
         if plan not in self.known:
-            known = self.arrays | plan.numbers
-            with np.errstate(all="ignore"):
-                for name, operation, operands in plan.ahead:
-                    known[name] = np.asarray(operation(*(known[operand] for operand in operands)))
-            self.known[plan] = known
+            self.known[plan] = _computed(plan.ahead, self.arrays | plan.numbers)
         return self.known[plan]
 
 
@@ -271,6 +275,9 @@ class _Value(NDArrayOperatorsMixin):
         return self.tape.step(operation, *operands)
 
     def __array_function__(self, function: Any, types: Any, operands: Any, named: Any) -> _Value:
+        if function is np.clip and isinstance(operands[2], _Value) and operands[2].computed:
+            x, least, most = operands
+            return np.minimum(np.maximum(x, least), most)  # between arrays, clip takes twice as long
         if function is not np.where:
             return self.tape.step(function, *operands)
         condition, x, y = operands
@@ -319,6 +326,10 @@ def _minimum(x: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
     np.minimum(x, y, out=out)  # a positional `out` is deprecated
 
 
+def _maximum(x: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
+    np.maximum(x, y, out=out)
+
+
 class _Probe(np.ndarray):
     def __array_ufunc__(self, operation: Any, method: str, *operands: Any, **named: Any) -> Any:
         return operation
@@ -326,8 +337,15 @@ class _Probe(np.ndarray):
 
 # How operations are called with the array for their result last. The ufunc behind np.clip has no public
 # name, and takes half the time on short arrays.
-_CALLS: dict[Any, Any] = {np.minimum: _minimum, np.clip: np.zeros(1).view(_Probe).clip(0.0, 1.0)}
-_MASKS = {np.greater, np.less, np.less_equal, np.equal, np.logical_not}  # what gives true or false
+_CALLS: dict[Any, Any] = {
+    np.minimum: _minimum,
+    np.maximum: _maximum,
+    np.clip: np.zeros(1).view(_Probe).clip(0.0, 1.0),
+}
+# How they are called on single numbers.
+_ONCE: dict[Any, Any] = {_put: lambda x, where, y: np.where(where, x, y), _horner_on_arrays: _horner}
+# What gives true or false.
+_MASKS = {np.greater, np.greater_equal, np.less, np.less_equal, np.equal, np.logical_not}
 
 
 class _Layout:
@@ -369,13 +387,16 @@ class _Layout:
     def _choice(self, operation: Any, read: list[str], ending: set[str], value: str) -> str:
         """A choice is put into its last operand, or into a copy of it where it is read further on."""
         *others, y = read
+        target = y if y in ending and y not in others else ""
         # A single result may share the place of an input: it is written last, and by one step.
-        target = self._result(value) if len(self._results) > 1 else ""
-        target = target or (y if y in ending and y not in others else self._take("w"))
+        if not target and len(self._results) > 1:
+            target = self._result(value)
+        target = target or self._take("w")
         if target != y:
             self.steps.append((np.positive, [y, target]))
         x, condition = others
-        if x in self._numbers or x.startswith("c."):
+        alone = x in self._numbers or x.startswith("c.")
+        if alone and condition.startswith("m") and target.startswith("w"):
             self.steps.append((np.putmask, [target, condition, x]))  # takes two thirds of the time
         else:
             self.steps.append((operation, [x, condition, target]))
@@ -399,7 +420,14 @@ class _Layout:
 class _Plan:
     """The steps of a kernel in one precision: operations, with the places of operands and results."""
 
-    def __init__(self, kernel: Callable[..., Any], lengths: Sequence[int | None], precision: _Real) -> None:
+    def __init__(
+        self,
+        kernel: Callable[..., Any],
+        lengths: Sequence[int | None],
+        precision: _Real,
+        single: tuple[str, ...],
+    ) -> None:
+        """`single` names inputs with one value for all samples."""
         tape = _Tape()
         inputs = [_Value(tape, f"x{k}") for k in range(sum(n or 1 for n in lengths))]
         found = kernel(_Symbols(precision, tape), *_grouped(inputs, lengths))
@@ -407,26 +435,29 @@ class _Plan:
         self.vector = isinstance(found, tuple)
         results = [tape.name(x) for x in (found if self.vector else (found,))]
         self.width = len(results)
-        self.outside = [x.name for x in inputs] + [f"y{k}" for k in range(self.width)]
+        self.outside = [x.name for x in inputs if x.name not in single] + [f"y{k}" for k in range(self.width)]
         self.numbers: dict[str, Any] = {}
         for x, name in tape.literals.items():
             several = isinstance(x, tuple)
             self.numbers[name] = [np.array(k, precision) for k in x] if several else np.array(x, precision)
         self.ahead: list[tuple[str, Any, list[str]]] = []
+        self.in_call: list[tuple[str, Any, list[str]]] = []
         layout = _Layout(results, self.numbers)
-        layout.place(self._split(tape))
+        layout.place(self._split(tape, set(single)))
         self.steps, self.made = layout.steps, layout.made
         self.spare: dict[tuple[int, ...], _Run] = {}
 
-    def _split(self, tape: _Tape) -> list[tuple[Any, list[str], str]]:
-        """The steps, without those of constants only, which are done once for all samples."""
+    def _split(self, tape: _Tape, single: set[str]) -> list[tuple[Any, list[str], str]]:
+        """The steps, without those done once: of constants only, and in each call of single inputs."""
         constant, steps = set(self.numbers), []
         for (operation, *names), value in tape.steps.items():
-            if operation is not _put and all(name in constant or name.startswith("c.") for name in names):
-                self.ahead.append((value.name, operation, names))
-                constant.add(value.name)
-            else:
+            varying = {name for name in names if name not in constant and not name.startswith("c.")}
+            if varying - single:
                 steps.append((operation, names, value.name))
+            else:
+                done, known = (self.in_call, single) if varying else (self.ahead, constant)
+                done.append((value.name, _ONCE.get(operation, operation), names))
+                known.add(value.name)
         return steps
 
 
@@ -651,7 +682,7 @@ class _Kernel:
         self.takes_numbers = not vectors.keys() & set(self.names)
         self._lengths = [vectors.get(name) for name in self.names]
         self._on_floats: Callable[..., Any] | None = None  # its callees may not be defined yet
-        self._plans: dict[_Real, _Plan] = {}
+        self._plan = cache(partial(_Plan, kernel, self._lengths))
 
     def at(self, inputs: Sequence[Any], parameters: Any) -> Any:
         """The kernel at one sample, on Python's own numbers: they are doubles as well, and need no arrays.
@@ -667,7 +698,7 @@ class _Kernel:
                 prepared.numbers, *(numbers if self.takes_numbers else self._grouped(numbers))
             )
         except (ArithmeticError, ValueError):  # where NumPy has infinity or NaN, Python raises
-            plan = self._plan(np.float64)
+            plan = self._plan(np.float64, ())
             out = np.empty((plan.width, 1))
             _fill(plan, prepared.constants(plan), [np.array([x], np.float64) for x in inputs], list(out))
             return tuple(out[:, 0].tolist()) if plan.vector else float(out[0, 0])
@@ -676,19 +707,16 @@ class _Kernel:
         """Numbers as a kernel with vectors takes them: the elements of each as a tuple."""
         return [next(numbers) if n is None else tuple(islice(numbers, n)) for n in self._lengths]
 
-    def _plan(self, precision: _Real) -> _Plan:
-        if precision not in self._plans:
-            self._plans[precision] = _Plan(self._kernel, self._lengths, precision)
-        return self._plans[precision]
-
     def on_arrays(self, given: Sequence[Any], parameters: Any, out: Any) -> Any:
         """The kernel at all samples of arrays that broadcast, in `out` if there is one."""
         inputs, precision, shape = _broadcast(given, self.names, self.vectors)
-        plan = self._plans.get(precision) or self._plan(precision)
+        size = math.prod(shape)
+        large = size > _BLOCK
+        single = tuple(f"x{k}" for k, x in enumerate(inputs) if x.size == 1) if large else ()
+        plan = self._plan(precision, single)
         full = (*shape, plan.width) if plan.vector else shape
         if out is not None:
             check_out(out, full, precision)
-        size = math.prod(shape)
         if size == 1 and precision is np.float64 and not self.vectors:
             result = np.array(self.at([x.item() for x in inputs], parameters)).reshape(full)
             if out is None:
@@ -697,10 +725,15 @@ class _Kernel:
             return out
         result = np.empty(full, precision) if out is None else out
         parts = [result[..., k] for k in range(plan.width)] if plan.vector else [result]
-        if out is not None and size <= _BLOCK:  # longer ones are read block by block, with care
+        if out is not None and not large:  # longer ones are read block by block, with care
             inputs = [x.copy() if np.may_share_memory(x, out) else x for x in inputs]
         prepared = self._model.prepared(parameters, precision)
-        _fill(plan, prepared.known.get(plan) or prepared.constants(plan), inputs, parts)
+        constants = prepared.known.get(plan) or prepared.constants(plan)
+        if single:
+            copies = [x.copy().reshape(()) for x in inputs if x.size == 1]  # `out` may overlap them
+            constants = _computed(plan.in_call, constants | dict(zip(single, copies, strict=True)))
+            inputs = [x for x in inputs if x.size > 1]
+        _fill(plan, constants, inputs, parts)
         return result if out is not None or full else result[()]
 
 

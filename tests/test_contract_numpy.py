@@ -157,17 +157,18 @@ def test_out_may_be_an_input(name: str, function: str, dtype: type[np.floating])
     f, p, one = getattr(module(name), function), with_inertia(name), width(name, function)
     for count in (7, 1500, 2048, 50_000):
         states = example_states(name, function, count + 1, dtype)
-        for k, shift in itertools.product(range(len(states)), (0, 1)):
+        cases = [(0, count), (1, count)] + ([(0, 1)] if len(states) > 1 else [])
+        for k, (shift, length) in itertools.product(range(len(states)), cases):
             given_states = [x[:count].copy() for x in states]
             memory = np.zeros(count * (one[0] if one else 1) + 1, dtype)
-            memory[shift : shift + count] = given_states[k]
-            given_states[k] = memory[shift : shift + count]
+            memory[shift : shift + length] = given_states[k][:length]
+            given_states[k] = memory[shift : shift + length]
             expected = f(*(x.copy() for x in given_states), p)
             out = memory[:-1].reshape(expected.shape)
 
             f(*given_states, p, out=out)
 
-            assert np.array_equal(expected, out, equal_nan=True), (count, k, shift)
+            assert np.array_equal(expected, out, equal_nan=True), (count, k, shift, length)
 
 
 @every_call_on_states_by_turns
