@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.2.0b1, program 8a5c1d2f).
+ * (eccentric 0.2.0b1, program 6bf52c61).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x8a5c1d2fUL
+#if C2_PARALLEL_PROGRAM != 0x6bf52c61UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 

@@ -62,7 +62,7 @@ class LogDescription(ResultBase):
         if self.clock:
             name, unit, rate = self.clock
             doubt = f" ({self.clock_doubt})" if self.clock_doubt else ""
-            yield f"  clock: {name} [{unit}], {rate:.4g} rows a second{doubt}"
+            yield f"  clock: {name} [{unit}], {rate:.4g} rows per second{doubt}"
         else:
             yield f"  no clock: {self.clock_doubt}"
         for name, (unit, low, high, missing) in list(self.numbers.items())[:_MOST_COLUMNS]:

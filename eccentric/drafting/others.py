@@ -90,7 +90,7 @@ def find_voltage(columns: Sequence[LoggedColumn], supply: LoggedColumn | None) -
         said, reads = "duty cycle times supply, by their names", (duty.text, supply.text)
         sure_of = 0.9 if sure else 0.7
     found = Proposal("voltage", text, "V", (said,), sure_of, "" if sure else doubt, reads=reads)
-    return found if supply else found.doubted("times the supply voltage, which the log does not hold")
+    return found if supply else found.doubted("times the supply voltage, which the log does not contain")
 
 
 def find_flags(

@@ -46,7 +46,7 @@ def calls(found: Diagnosis) -> list[str]:
             return [f"{_undecided(found)}to call{' it' * bool(_undecided(found))}: {torque}", *elsewhere]
         base = found.models.base.name
         plain = found.rig.axis.term("the paper's model")
-        whose = f"{base}, fitted anew" if is_result_name(base) else f"{plain}, fitted"
+        whose = f"{base}, refitted" if is_result_name(base) else f"{plain}, fitted"
         return [f"nothing was added; to call {whose}: {torque}"]
     stepped = [a for a in emitted.inputs_of("next_state") if a not in states]
     return [

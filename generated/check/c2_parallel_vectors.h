@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_parallel.c (program 8a5c1d2f).
+ * Generated: do not edit. Belongs to c2_parallel.c (program 6bf52c61).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u
