@@ -117,7 +117,7 @@ def draft_of(log: Log) -> Draft:
         said = (
             f"{1.0 / grid.step:.2g}: no acceleration is to be seen (is {clock.proposal.source!r} the time?)"
         )
-        raise InputError(log.path, f"at least {limits.SLOWEST_HZ:g} rows per second", said)
+        raise InputError(log.path, f"at least {limits.SLOWEST_HZ:g} rows/s", said)
     flags = [c for c in left.values() if c.is_flag]
     ratio = {c.text: _RATIO[c.name.quantity] for c in left.values() if c.name.quantity in _RATIO}
     joint = joint_of({n: c for n, c in left.items() if n not in ratio}, grid)

@@ -217,7 +217,7 @@ def find_clock(
     unit = max(likely, key=lambda one: likely[one])
     others = [c.text for s, c in found[1:] if s > 0.8 * score]
     odd = int(np.count_nonzero(np.abs(inside / usual - 1.0) > UNEVEN_STEP)) if usual else 0
-    step_said = f"step {usual * SECONDS[unit]:.4g} s, {1 / usual / SECONDS[unit]:.4g} rows per second"
+    step_said = f"step {usual * SECONDS[unit]:.4g} s, {1 / usual / SECONDS[unit]:.4g} rows/s"
     uneven = (
         f"{odd} of {len(inside)} steps differ from that by more than {100 * UNEVEN_STEP:.0f} %"
         if odd > limits.FEW_STEPS * len(inside)
@@ -242,8 +242,7 @@ def find_clock(
     elif likely[unit] < limits.SURE:
         second = sorted(likely, key=lambda one: -likely[one])[1]
         doubts.append(
-            "unit by the rate of rows alone:"
-            f" {second} would be {1 / usual / SECONDS[second]:.3g} rows per second"
+            f"unit by the rate of rows alone: {second} would be {1 / usual / SECONDS[second]:.3g} rows/s"
         )
     proposal = Proposal("time", column.text, unit, tuple(evidence), likely[unit], "; ".join(doubts))
     return Clock(proposal, column.values, breaks, usual, likely, uneven)
