@@ -128,7 +128,9 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
             f" {law.error_max:.3g} N m at most"
         )
         if drive.takes("alpha_m"):
-            lines.append("friction that follows the acceleration is left out: the error is at constant speed")
+            lines.append(
+                "friction that depends on the acceleration is left out: the error is at constant speed"
+            )
         least, most = (f"{x:.4g}" for x in law.breakaway)
         own = f"+-{least} N m" if least == most else f"{least} to {most} N m, depending on the angle"
         back, forth = f"{law.lower:.4g}", f"{law.upper:.4g}"
