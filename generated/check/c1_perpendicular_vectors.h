@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_perpendicular.c (program 123191f6).
+ * Generated: do not edit. Belongs to c1_perpendicular.c (program e6f4a92c).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_asymmetric.c (program 0918e290).
+ * Generated: do not edit. Belongs to c2_asymmetric.c (program 47e20361).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u
