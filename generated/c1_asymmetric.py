@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.2.0b1, program df8783b0).
+# (eccentric 0.2.0b1, program 5540dfeb).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.2.0b1, program e6f4a92c).
+ * (eccentric 0.2.0b1, program 8afaf4c2).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Start with c1_perpendicular_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0xe6f4a92cUL
+#define C1_PERPENDICULAR_PROGRAM 0x8afaf4c2UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does not
  * link with a model compiled only for the other: all names contain it, as in c1_perpendicular_mechanical_friction_torque_double. */

@@ -810,7 +810,7 @@ class Model:
             raise ValueError(f"{', '.join(missing)}: expected numbers unless {last} is 0, got None")
 
     def unsolvable(self, parameters: Any) -> str:
-        """Why a time step has no unique solution; "" if it has one. Friction itself is defined without one."""
+        """Why a time step has no unique solution, "" if it has; friction itself is defined anyway."""
         inertia, unit, losses = self._losses(parameters or self.default)
         for name, loss in losses:
             if loss >= inertia:

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.2.0b1, program f632fa72).
+ * (eccentric 0.2.0b1, program ef31d23f).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Start with rotating_link_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0xf632fa72UL
+#define ROTATING_LINK_PROGRAM 0xef31d23fUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does not
  * link with a model compiled only for the other: all names contain it, as in rotating_link_mechanical_friction_torque_double. */

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_asymmetric.c (program df8783b0).
+ * Generated: do not edit. Belongs to c1_asymmetric.c (program 5540dfeb).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_perpendicular.c (program e6f4a92c).
+ * Generated: do not edit. Belongs to c1_perpendicular.c (program 8afaf4c2).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_asymmetric.c (program 47e20361).
+ * Generated: do not edit. Belongs to c2_asymmetric.c (program 4b81fa70).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

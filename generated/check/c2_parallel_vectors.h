@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_parallel.c (program ed9d8ff3).
+ * Generated: do not edit. Belongs to c2_parallel.c (program 5a744989).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to rotating_link.c (program f632fa72).
+ * Generated: do not edit. Belongs to rotating_link.c (program ef31d23f).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u
