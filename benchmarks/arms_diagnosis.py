@@ -161,8 +161,8 @@ _HEAD = [
     f"{LOGS} logs of random arms (two links in a plane, three and six joints in space) behind gears of 1/6 to 1/120, one"
     f" effect in one joint at {' or '.join(f'{100 * s:g}' for s in STRENGTHS)} % of that joint's friction, all families in"
     f" turn; {CONTROLS} controls; sums of harmonics and constant velocities, current noise of 0.4 to 1.2 % of its range, five runs"
-    " that make a minute at 250 rows a second.",
-    f"An effect that friction by the loads of the bearing can take but for {100 * ALIAS:g} % of the friction is not counted.",
+    " that make a minute at 250 Hz.",
+    f"An effect that friction following the bearing loads reproduces to within {100 * ALIAS:g} % of the friction is not counted.",
 ]
 
 

@@ -165,7 +165,7 @@ def _details(
 ) -> list[str]:
     """The table of all times."""
     lines = [
-        "Processor time of whole processes, one thread, the log of one minute that is bundled: median (range).",
+        "Processor time of whole processes, one thread, on the bundled one-minute log: median (range).",
         "",
         f"| | this commit | {BEFORE} |",
         "|---|---|---|",

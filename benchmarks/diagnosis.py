@@ -171,14 +171,13 @@ _HEAD = [
     "Every family of effects at 3, 8 and 20 % of the friction, gear ratios 1 to 1/30, C1 and C2, speed runs and"
     " trajectories, current noise of 0.4 to 1.2 % of its range; controls, as many on ordinary drives (a loop that may ring,"
     " a bus that varies by up to 2 %, a coarse encoder, noise of 0.2 to 3 %); forty pairs at 12 % each; sixty faint effects of 0.3 to 5 %; and a dozen effects that"
-    " no library holds (`benchmarks/outside.py`), twice each; one minute at 250 rows a second.",
-    f"An effect whose torque lies within {100 * diagnosis_table.ALIAS:g} % of the friction of what the paper's own columns can take is"
+    " are outside the library (`benchmarks/outside.py`), twice each; one minute at 250 Hz.",
+    f"An effect whose torque the paper's own columns reproduce to within {100 * diagnosis_table.ALIAS:g} % of the friction is"
     " an exact alias (w\\|w\\| and w^3 in C1): a log with one is not counted among the singles and pairs.",
-    "Viscous friction that grows less than in proportion to speed is a name that covers an eddy-current brake, and counts"
+    "Viscous friction that grows less than in proportion to speed covers an eddy-current brake, and counts"
     " as right for one; how often it was given is in the table.",
     "The oracle knows the true families and fits them on the same rows; PySINDy gets the same residuals and, as far"
-    " as it can have them, the same effects as columns (`benchmarks/sparse_columns.py`), and has no way to abstain but to find"
-    " nothing.",
+    " as it can have them, the same effects as columns (`benchmarks/sparse_columns.py`), and can abstain only by finding nothing.",
 ]
 
 

@@ -188,7 +188,7 @@ def part(
     lines = [
         f"{len(found)} variants of {len({name for name, _, _ in found})} logs: columns renamed, rescaled and shuffled"
         " at random; names with their unit, words alone, or numbers.",
-        "The last row is of other variants: real names of loggers, with set values, results of models, errors,"
+        "The last row is of other variants: real names of loggers, with set points, results of models, errors,"
         " supplies, stamps and copies among them.",
         "A unit is right to one part in a thousand. A column that is no channel is right if it is left out.",
         "",

@@ -299,7 +299,7 @@ def lines_of(found: Sequence[Found]) -> list[str]:
         costs = " → ".join(" / ".join(map(str, own)) for own in one.cost)
         rows2.append([one.name, *thirds_, costs])
     return [
-        "Held-out error that is taken out, in percent of that of the paper's model. The peers learn its residual from"
+        "Reduction of the held-out error, in percent of that of the paper's model. The peers learn its residual from"
         " the velocity and every other variable that the term may follow: a Gaussian process (800 rows), the mean of"
         " three networks with two layers of 32, and a symbolic regression (gplearn).",
         "",

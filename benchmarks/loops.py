@@ -445,10 +445,10 @@ def _details(
     lines = [
         f"{d.n} drives; the true friction is above gain times the model's at every identified state in"
         f" {int(d.premise.sum())} of them; gain {np.median(d.gain):.3f} (median).",
-        "Limit cycles are drives that swing in the last 2 s of a hold by more than two counts more than without"
-        " compensation, in brackets those for which this premise does not hold. Chatter is the rms change of the"
-        " torque from one sample to the next there, over the Coulomb level; then the rms tracking error in mrad;"
-        " medians.",
+        "Limit cycles: drives that swing, in the last 2 s of a hold, by over two counts more than without"
+        " compensation; in brackets, those whose true friction is not above. Chatter: rms change of the torque"
+        " from one sample to the next during that time, relative to the Coulomb level. Then the rms tracking error"
+        " in mrad. Chatter and errors are medians.",
         "",
     ]
     for title, table in (
@@ -471,14 +471,14 @@ def _details(
     ]
     if creeping:
         lines += [
-            "Of these a part only creeps towards its reference, in one direction: "
+            "Limit cycles that are only a creep towards the reference, in one direction: "
             + "; ".join(creeping)
             + ".",
             "",
         ]
     lines += [
-        "Torque mode, a drive let go at 5 rad/s, its friction that of the model over 1.1; drives that are faster"
-        " later on:",
+        "Torque mode: a drive released at 5 rad/s, with the friction of the model divided by 1.1; drives that"
+        " speed up:",
         "",
         *(f"- {name}: {int((~(x <= 1.0)).sum())}" for name, x in zip(free, let_go, strict=True)),
     ]

@@ -67,8 +67,8 @@ def main() -> None:
 def fit_table(found: ArmFit) -> list[list[str]]:
     """Errors of each joint, held out and with every run left out in turn."""
     unit = found.joints[0].unit
-    columns = f"joint | friction follows | Coulomb + viscous [{unit}] | with the load [{unit}] | less error, 95 % | drive, RMS"
-    rows = [[*columns.split(" | "), "every run left out, less error"]]
+    columns = f"joint | friction follows | Coulomb + viscous [{unit}] | with the load [{unit}] | error reduction, 95 % | drive, RMS"
+    rows = [[*columns.split(" | "), "each run left out, error reduction"]]
     for joint in found.joints:
         follows, over = " + ".join(joint.loads.followed), joint.over_runs
         gain = (

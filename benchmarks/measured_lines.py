@@ -29,7 +29,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE, MEASURED = ROOT / "docs" / "measured-rigs.md", ROOT / "docs" / "measured"
 LINES, REMARKS = MEASURED / "lines.json", MEASURED / "remarks.toml"
 MARK = re.compile(r"(<!-- lines -->\n).*?(<!-- end -->)", re.DOTALL)
-HEAD = ("drive", "made of", "cause named", "figures and ranges", "the tool says", "a specialist would object")
+HEAD = ("drive", "parts", "cause named", "estimates and ranges", "result", "a specialist's comment")
 Line = dict[str, str]
 
 
@@ -79,13 +79,13 @@ def line_of(found: Diagnosis) -> Line:
     a, score, axis = found.attribution, found.score, found.rig.axis
     named = [effect.id for effect, _ in (*found.effects, *found.undecided, *found.clear)]
     low, high = score.interval
-    gain = f"{score.percent:.0f} % less held-out error ({low:.0f} to {high:.0f})"
+    gain = f"{score.percent:.0f} % lower held-out error ({low:.0f} to {high:.0f})"
     depends = ", ".join(axis.named(v).replace("_", " ") for v in a.depends_on[:3])
-    ruled_out = "".join(f"; {c.id} is ruled out by the drive" for c in a.ruled_out)
+    ruled_out = "".join(f"; {c.id} is excluded by the parts of the drive" for c in a.ruled_out)
     says = {
         "named": gain,
         "not_identifiable": f"not distinguished: {', '.join(a.tied)}; {gain}",
-        "unexplained": f"unexplained, follows {depends}{ruled_out}",
+        "unexplained": f"unexplained; depends on {depends}{ruled_out}",
         "nothing_missing": "nothing more can be proved",
     }[a.verdict]
     if a.unconfirmed:

@@ -122,9 +122,9 @@ def page(found: Mapping[str, Part], quick: bool) -> str:
             f" {platform.machine()}, {os.cpu_count()} shared cores, Linux, {_compiler()},"
             f" Python {platform.python_version()}.",
             "Times are medians of paired rounds on one core; the emitted code is that of case C2 with the parameters of"
-            " Table 1 where no other is named.",
-            "Tests hold that results have the same bits whatever the shape, that memory is bounded by the block, and that"
-            " sanitizers and warnings are silent.",
+            " Table 1 unless stated otherwise.",
+            "Tests check that results have the same bits for every array shape, that memory is bounded by the block, and"
+            " that sanitizers and compilers report nothing.",
             "",
             *summary(found),
             PICTURE,

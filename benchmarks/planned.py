@@ -290,7 +290,7 @@ def measured(quick: bool, first: int = FIRST_SEED, logs: int = LOGS) -> Part:
 _HEAD = [
     "Logs of 8 to 16 s at few speeds, with one effect of 3 to 12 % of friction, that end in a tie with the truth among"
     " the tied; the planned motion of at most a minute on the same rig; then `diagnose` with both logs.",
-    "Limits: the top speed of the drive, that within 0.3 s, and 1.3 times the current that this takes."
+    "Limits: the top speed of the drive, the acceleration that reaches it in 0.3 s, and 1.3 times the current that this requires."
     " They are judged on the same drive with mass, friction and speed loop 10 % lower and higher.",
     "Peers are motions of the same length at three quarters of the limits of speed and acceleration.",
 ]

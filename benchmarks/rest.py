@@ -155,7 +155,7 @@ def drift() -> list[str]:
         rows.append((name, abs(angle - theta_m) * p.mu * 1e3))
     finished = [f"{method} {_reached(method, theta_m, J_M + p.mu**2 * J_L, p):.2g} s" for method in METHODS]
     return [
-        f"A link held by friction {STILL:g} rad from its lowest point: gravity takes"
+        f"A link held by friction {STILL:g} rad from its lowest point: gravity exerts"
         f" {float(c2_parallel.gravity_torque(theta_m, p)):.4f} N m of the {held:.4f} N m at which it breaks"
         f" away. After {HELD_S:g} s in steps of {DT * 1e3:g} ms it has moved by:",
         "",

@@ -34,7 +34,7 @@ PAGE = ROOT / "docs" / "measured-rigs.md"
 SECTION = "## Other rig files\n"
 EXAMPLES = ("example1", "example2", "example3", "example4")
 LOW_PASS_HZ = 25.0
-HEAD = ("| log | answer | same | changed value told | otherwise |", "|---|---|--:|--:|---|")
+HEAD = ("| log | answer | same | changed value reported | other answers |", "|---|---|--:|--:|---|")
 Rig = dict[str, Any]
 
 

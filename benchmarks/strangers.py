@@ -223,7 +223,7 @@ def part(logs: Sequence[Verdict], faults: Sequence[Answer]) -> Part:
     good = count[RIGHT] + count[ASKED] + count[REFUSED]
     told = sum(one.as_wanted for one in faults)
     lines = [
-        f"{len(logs)} logs in the form in which their authors published them; {count[RIGHT]} drafted right,"
+        f"{len(logs)} logs as their authors published them; {count[RIGHT]} drafted right,"
         f" {count[ASKED]} with questions or doubts, {count[REFUSED]} refused where a refusal is right,"
         f" {count[WRONG]} wrong without a doubt, {count[LEFT]} refused though they have a draft,"
         f" {count[BROKEN]} with a traceback.",
@@ -232,7 +232,7 @@ def part(logs: Sequence[Verdict], faults: Sequence[Answer]) -> Part:
         "|---|---|---|---|",
         *(_row(one) for one in logs),
         "",
-        f"Small inputs that once failed: {told} of {len(faults)} answer as wanted.",
+        f"Small inputs that once failed: {told} of {len(faults)} give the expected answer.",
         "",
         "| input | as wanted | what differs |",
         "|---|---|---|",

@@ -277,7 +277,7 @@ equations = (
                 - (mu * C_lN * weight_plain + C_m) * sp.sign(omega_m),
             ),
             Identity(
-                "it is progressive: over omega_m > 0 it bends up",
+                "it is progressive: convex over omega_m > 0",
                 bend(bottom) - 2 * mu**3 * M * L * (3 * B_lN * mu * omega_m + C_lN),
             ),
         ),
@@ -315,7 +315,7 @@ equations = (
                 - (s * mu * C_lN * weight_plain + C_m) * sp.sign(omega_m),
             ),
             Identity(
-                "over omega_m > 0 it bends -s times as at the bottom: down below the critical velocity",
+                "its curvature is -s times that at the bottom: negative below the critical velocity",
                 bend(top) + s * bend(bottom),
             ),
             Identity(

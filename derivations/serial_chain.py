@@ -293,7 +293,7 @@ equations = (
         motor_torque,
         "N m",
         "Newton for the rotor of a joint: it is accelerated against its parent and with it, by alpha_z of the"
-        " parent along the axis. T is the torque that the gear passes on, n_z; of a prismatic joint f_z.",
+        " parent along the axis. T is the torque that the gear transmits, n_z; of a prismatic joint f_z.",
     ),
     Equation(
         "bearing",
@@ -373,7 +373,7 @@ equations = (
         sp.Symbol("T_1"),
         torque_1,
         "N m",
-        "Torque that gear 1 passes on.",
+        "Torque that gear 1 transmits.",
         (
             Identity(
                 "it is that of the textbook, with the inertia about the joint and the angle from the"
@@ -388,7 +388,7 @@ equations = (
         sp.Symbol("T_0"),
         torque_0,
         "N m",
-        "Torque that gear 0 passes on.",
+        "Torque that gear 0 transmits.",
         (
             Identity("it is that of the textbook", sp.expand(sp.expand_trig(textbook_0 - torque_0))),
             Identity(

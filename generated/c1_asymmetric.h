@@ -1,22 +1,22 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.2.0b1, program 7d8fcd5d).
+ * (eccentric 0.2.0b1, program 0223e61b).
  * Case C1 with friction that differs between the directions of motion.
  */
-/* Begin with c1_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
+/* Start with c1_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * c1_asymmetric_normal_force; `c` is &c1_asymmetric_default, or the output of c1_asymmetric_prepare for your own parameters.
  * c1_asymmetric_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients
- * are then all 0, as those of a static variable before it is prepared, and friction is 0. */
+ * are then all 0, like those of a static variable that has not been prepared, and friction is 0. */
 #ifndef C1_ASYMMETRIC_H
 #define C1_ASYMMETRIC_H
 
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0x7d8fcd5dUL
+#define C1_ASYMMETRIC_PROGRAM 0x0223e61bUL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does
- * not link against the other alone: it is part of all function names, as in c1_asymmetric_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does not
+ * link with a model compiled only for the other: all names contain it, as in c1_asymmetric_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -249,7 +249,7 @@ void c1_asymmetric_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** Friction_torque and its partial derivatives, as a linearisation needs them.
+/** Friction torque and its partial derivatives, for linearisation.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  2 values: friction_torque, omega_m [N m, N m per rad/s]
  *  @param[in]  c  coefficients

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.2.0b1, program 7d8fcd5d).
+# (eccentric 0.2.0b1, program 0223e61b).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -241,7 +241,7 @@ def friction_torque_gradient(c, omega_m):
 
 @_model.function
 def friction_torque_with_gradient(c, omega_m):
-    """Friction_torque and its partial derivatives, as a linearisation needs them.
+    """Friction torque and its partial derivatives, for linearisation.
 
     In N m, N m per rad/s; last axis (friction_torque, omega_m).
     """

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.2.0b1, program 829f4dce).
+# (eccentric 0.2.0b1, program f3b9c550).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
@@ -189,7 +189,7 @@ def friction_torque_gradient(c, omega_m):
 
 @_model.function
 def friction_torque_with_gradient(c, omega_m):
-    """Friction_torque and its partial derivatives, as a linearisation needs them.
+    """Friction torque and its partial derivatives, for linearisation.
 
     In N m, N m per rad/s; last axis (friction_torque, omega_m).
     """

@@ -1,22 +1,22 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.2.0b1, program 3b823bb4).
+ * (eccentric 0.2.0b1, program c22bb0a7).
  * Case C2 with friction that differs between the directions of motion.
  */
-/* Begin with c2_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
+/* Start with c2_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * c2_asymmetric_normal_force; `c` is &c2_asymmetric_default, or the output of c2_asymmetric_prepare for your own parameters.
  * c2_asymmetric_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients
- * are then all 0, as those of a static variable before it is prepared, and friction is 0. */
+ * are then all 0, like those of a static variable that has not been prepared, and friction is 0. */
 #ifndef C2_ASYMMETRIC_H
 #define C2_ASYMMETRIC_H
 
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x3b823bb4UL
+#define C2_ASYMMETRIC_PROGRAM 0xc22bb0a7UL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does
- * not link against the other alone: it is part of all function names, as in c2_asymmetric_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does not
+ * link with a model compiled only for the other: all names contain it, as in c2_asymmetric_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -84,7 +84,7 @@
  * and 2^-52; inputs and parameters count as exact, |theta_m| to 10000 rad, mu to 5:
  *   normal_force within 8 (Table 1: 7) units in the last place
  *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 9 (Table 1: 8) units in the last place
- *   friction_torque_gradient within 15 (Table 1: 7) eps of its greatest value at that speed, any angle
+ *   friction_torque_gradient within 15 (Table 1: 7) eps of its largest value at that speed, any angle
  *     Table 1: with its parameters, mu 1/5 or 1/30
  */
 /* MISRA C:2012 by cppcheck: no required rule is violated; deviations from advisory rules:
@@ -138,14 +138,14 @@ typedef struct {
     ECCENTRIC_REAL k_e; /**< back-EMF constant [V s/rad] */
     ECCENTRIC_REAL k_i; /**< torque constant [N m/A] */
     ECCENTRIC_REAL scale_N; /**< normal force per squared motor velocity, M L mu^2 [N s^2/rad^2] */
-    ECCENTRIC_REAL fastest; /**< greatest speed in rad/s that F_N counts: 2^30, or 0 if M L = 0 [1] */
+    ECCENTRIC_REAL fastest; /**< largest speed in rad/s used in F_N: 2^30, or 0 if M L = 0 [1] */
     ECCENTRIC_REAL mu_omega_star; /**< mu omega_star */
     ECCENTRIC_REAL omega_star_1; /**< omega_star, in the working precision */
     ECCENTRIC_REAL omega_star_2; /**< omega_star - omega_star_1, in the working precision */
     ECCENTRIC_REAL turns_per_rad; /**< mu/(2 pi) */
     ECCENTRIC_REAL period_1; /**< 2 pi/mu, leading digits */
     ECCENTRIC_REAL period_2; /**< remainder after the previous parts, leading digits */
-    ECCENTRIC_REAL period_3; /**< remainder after the previous parts, leading digits, in double all */
+    ECCENTRIC_REAL period_3; /**< remainder after the previous parts, leading digits (in double: all) */
     ECCENTRIC_REAL half_mu; /**< mu/2 */
     ECCENTRIC_REAL B_lN_pos_mu2_scale_N; /**< B_lN_pos mu^2 scale_N */
     ECCENTRIC_REAL B_lN_neg_mu2_scale_N; /**< B_lN_neg mu^2 scale_N */
@@ -276,7 +276,7 @@ void c2_asymmetric_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** Friction_torque and its partial derivatives, as a linearisation needs them.
+/** Friction torque and its partial derivatives, for linearisation.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  3 values: friction_torque, theta_m, omega_m [N m, N m per rad, rad/s]

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.2.0b1, program 3b823bb4).
+# (eccentric 0.2.0b1, program c22bb0a7).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -276,7 +276,7 @@ def friction_torque_gradient(c, theta_m, omega_m):
 
 @_model.function
 def friction_torque_with_gradient(c, theta_m, omega_m):
-    """Friction_torque and its partial derivatives, as a linearisation needs them.
+    """Friction torque and its partial derivatives, for linearisation.
 
     In N m, N m per rad, rad/s; last axis (friction_torque, theta_m, omega_m).
     """

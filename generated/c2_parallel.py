@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.2.0b1, program ee4fc15e).
+# (eccentric 0.2.0b1, program bc376d2e).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -246,7 +246,7 @@ def friction_torque_gradient(c, theta_m, omega_m):
 
 @_model.function
 def friction_torque_with_gradient(c, theta_m, omega_m):
-    """Friction_torque and its partial derivatives, as a linearisation needs them.
+    """Friction torque and its partial derivatives, for linearisation.
 
     In N m, N m per rad, rad/s; last axis (friction_torque, theta_m, omega_m).
     """

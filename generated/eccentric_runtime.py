@@ -843,16 +843,16 @@ class Model:
             raise ValueError(f"{', '.join(missing)}: expected numbers unless {last} is 0, got None")
 
     def unsolvable(self, parameters: Any) -> str:
-        """What leaves a step in time without a single solution; friction itself is defined without one."""
+        """Why a time step has no unique solution, "" if it has; friction itself is defined anyway."""
         inertia, unit, losses = self._losses(parameters or self.default)
         for name, loss in losses:
             if loss >= inertia:
-                less = f"less of an acceleration than the inertia, {inertia:.6g} {unit}"
-                return f"{name}: expected friction that takes {less}, got {loss:.6g} {unit}"
+                less = f"the acceleration by less than the inertia, {inertia:.6g} {unit}"
+                return f"{name}: expected friction that depends on {less}, got {loss:.6g} {unit}"
         return ""
 
     def require_solvable(self, parameters: Any) -> None:
-        """Require parameters for which a step in time has one solution."""
+        """Require parameters for which a time step has one solution."""
         if parameters is not self._solvable:
             self.check(parameters)
             if problem := self.unsolvable(parameters):

@@ -1,22 +1,22 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.2.0b1, program af781261).
+ * (eccentric 0.2.0b1, program 916b970f).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
-/* Begin with rotating_link_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
+/* Start with rotating_link_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
  * rotating_link_normal_force; `c` is &rotating_link_default, or the output of rotating_link_prepare for your own parameters.
  * rotating_link_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: the coefficients
- * are then all 0, as those of a static variable before it is prepared, and friction is 0. */
+ * are then all 0, like those of a static variable that has not been prepared, and friction is 0. */
 #ifndef ROTATING_LINK_H
 #define ROTATING_LINK_H
 
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0xaf781261UL
+#define ROTATING_LINK_PROGRAM 0x916b970fUL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does
- * not link against the other alone: it is part of all function names, as in rotating_link_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does not
+ * link with a model compiled only for the other: all names contain it, as in rotating_link_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -85,7 +85,7 @@
  * and 2^-52; inputs and parameters count as exact, |theta_m| to 10000 rad, mu to 5:
  *   normal_force within 12 eps (M L (omega_l^2 + |alpha_l|) + weight)
  *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 12 eps of what they are at that load
- *   friction_torque_gradient within 12 (Table 1: 7) eps of its greatest value, any direction of F_N, times that load over F_N
+ *   friction_torque_gradient within 12 (Table 1: 7) eps of its largest value, any direction of F_N, times that load over F_N
  *     Table 1: with its parameters, mu 1/5 or 1/30
  */
 /* MISRA C:2012 by cppcheck: no required rule is violated; deviations from advisory rules:
@@ -131,7 +131,7 @@ typedef struct {
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */
     ECCENTRIC_REAL k_i; /**< torque constant [N m/A] */
     ECCENTRIC_REAL scale_N; /**< normal force per squared motor velocity, M L mu^2 [N s^2/rad^2] */
-    ECCENTRIC_REAL fastest; /**< greatest speed in rad/s that F_N counts: 2^30, or 0 if M L = 0 [1] */
+    ECCENTRIC_REAL fastest; /**< largest speed in rad/s used in F_N: 2^30, or 0 if M L = 0 [1] */
     ECCENTRIC_REAL half_mu2_omega_star2; /**< mu^2 omega_star^2/2 */
     ECCENTRIC_REAL mu_omega_star2; /**< mu omega_star^2 */
     ECCENTRIC_REAL per_mu; /**< 1/mu */
@@ -139,7 +139,7 @@ typedef struct {
     ECCENTRIC_REAL turns_per_rad; /**< mu/(2 pi) */
     ECCENTRIC_REAL period_1; /**< 2 pi/mu, leading digits */
     ECCENTRIC_REAL period_2; /**< remainder after the previous parts, leading digits */
-    ECCENTRIC_REAL period_3; /**< remainder after the previous parts, leading digits, in double all */
+    ECCENTRIC_REAL period_3; /**< remainder after the previous parts, leading digits (in double: all) */
     ECCENTRIC_REAL half_mu; /**< mu/2 */
     ECCENTRIC_REAL omega_star_1; /**< omega_star, in the working precision */
     ECCENTRIC_REAL omega_star_2; /**< omega_star - omega_star_1, in the working precision */
@@ -280,7 +280,7 @@ void rotating_link_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Friction_torque and its partial derivatives, as a linearisation needs them.
+/** Friction torque and its partial derivatives, for linearisation.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.2.0b1, program af781261).
+# (eccentric 0.2.0b1, program 916b970f).
 # Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 """Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
@@ -267,7 +267,7 @@ def friction_torque_gradient(c, theta_m, omega_m, alpha_m):
 
 @_model.function
 def friction_torque_with_gradient(c, theta_m, omega_m, alpha_m):
-    """Friction_torque and its partial derivatives, as a linearisation needs them.
+    """Friction torque and its partial derivatives, for linearisation.
 
     In N m, N m per rad, rad/s, rad/s^2; last axis (friction_torque, theta_m, omega_m, alpha_m).
     """

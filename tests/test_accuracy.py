@@ -199,11 +199,11 @@ def test_float_beside_double(name: str, drive: str) -> None:
 def test_the_header_states_the_bounds(name: str) -> None:
     """What is measured here is what the header promises, and nothing else is promised there."""
     last, level = "units in the last place", name in STEADY["C1"]
-    units = ["units in the last place", last, "eps of its greatest value at that speed, any angle"]
+    units = ["units in the last place", last, "eps of its largest value at that speed, any angle"]
     if level:
         units = [f"{last} (proved for parameters and speeds of 1e-6 to 1e6)", last, last]
     if name == accelerated.NAME:
-        anywhere = "its greatest value, any direction of F_N, times that load over F_N"
+        anywhere = "its largest value, any direction of F_N, times that load over F_N"
         units = ["(M L (omega_l^2 + |alpha_l|) + weight)", "of what they are at that load", f"of {anywhere}"]
         units = [f"eps {unit}" for unit in units]
     friction = "friction_torque, mechanical_friction_torque, friction_torque_jacobian"

@@ -78,12 +78,12 @@ def test_a_loss_beyond_the_inertia_is_not_emitted(
     monkeypatch.setattr(diagnosed, "extended_model", lambda _: model)
     result = diagnosed.result_of(bundled[0], {})
     names = {path.name for path in result.write(tmp_path / "out")}
-    said = [text for text in result.warnings if "a step in time has no single solution" in text]
+    said = [text for text in result.warnings if "a time step has no unique solution" in text]
 
     assert (said == []) is solvable is ("c2_parallel.c" in names)
     assert {"report.html", "diagnosis.json", "model.py"} <= names
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert ("has no single solution" in page) is not solvable
+    assert ("has no unique solution" in page) is not solvable
     if not solvable:
         assert result.to_dict()["warnings"][-1] == said[0]
         with pytest.raises(InputError, match="by less than the inertia"):

@@ -117,7 +117,7 @@ def test_the_header_says_where_an_inertia_is_wanted(libraries: Libraries, name: 
 def test_the_header_says_where_to_begin(name: str) -> None:
     """Behind its banner it names the friction torque to compensate and the normal force, and it has both."""
     text = (GENERATED / f"{name}.h").read_text(encoding="utf-8")
-    (begin,) = re.findall(r"^/\* Begin with (.*?)\*/", text, re.DOTALL | re.MULTILINE)
+    (begin,) = re.findall(r"^/\* Start with (.*?)\*/", text, re.DOTALL | re.MULTILINE)
     named = [f"{name}_mechanical_friction_torque", f"{name}_normal_force"]
 
     assert named == re.findall(rf"{name}_\w+(?=, the friction|;)", begin)

@@ -222,7 +222,7 @@ def test_slow_sampling_is_refined_by_a_spline_and_said(tmp_path: Path) -> None:
     np.testing.assert_allclose(c.motion.theta_m[middle], sine, atol=1e-7)
     np.testing.assert_allclose(c.motion.omega_m[middle], SWING * cosine, atol=1e-5)
     np.testing.assert_allclose(c.motion.alpha_m[middle], -(SWING**2) * sine, atol=1e-3)
-    assert any("too coarse for the low pass" in warning for warning in c.intake.warnings)
+    assert any("too coarse for the low-pass filter" in warning for warning in c.intake.warnings)
 
 
 def test_slow_voltage_is_held_if_the_rig_says_so(tmp_path: Path) -> None:

@@ -205,7 +205,7 @@ def test_an_inertia_of_0_is_a_doubt() -> None:
     """A diagnosis of this log refuses it: at one frequency, delay and inertia cannot be told apart."""
     fault = SHARED / "field" / "faults" / "J_zero_misleading"
     found = eccentric.check_rig(fault / "real_log.csv", fault / "real_rig.toml")
-    assert any("J, the inertia of the drive, is 0 by the log" in doubt for doubt in found.doubts)
+    assert any("J, the inertia of the drive, is 0 in the log" in doubt for doubt in found.doubts)
 
 
 @pytest.mark.parametrize("letter", ["M", "L"])

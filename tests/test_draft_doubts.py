@@ -170,7 +170,7 @@ def test_a_torque_constant_that_gravity_does_not_allow_is_doubted(factor: float,
 
     assert () == found.complaints
     assert [doubted] == [bool(found.doubts)] == ["see 1 doubt" in found.summary()]
-    assert all("N m/A by gravity and 0.072 by the rig" in line for line in found.doubts)
+    assert all("N m/A from gravity and 0.072 in the rig file" in line for line in found.doubts)
 
 
 @pytest.mark.parametrize(("k_i", "heavier"), [(1.4, 1.0), (0.75, 1.0), (1.0, 1.4)])
@@ -203,7 +203,7 @@ def test_a_wrong_resistance_makes_no_wrong_constant(R: float, k_e: float, told: 
     columns = {"time": "t_s", "theta_m": "q_rad", "current": "current_A", "voltage": "voltage_V"}
     said = str(eccentric.check_rig(log, {"columns": columns, "known": known, "drive": "current"}))
 
-    assert told == ("k_e is 0.12 V s/rad by the log and 0.06 by the rig; correct the rig" in said)
+    assert told == ("k_e is 0.12 V s/rad in the log and 0.06 in the rig file; correct the rig" in said)
     assert told == ("correct the rig" in said)
 
 

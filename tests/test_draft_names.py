@@ -112,7 +112,7 @@ def test_a_duty_without_a_sign_is_told_and_a_target_is_no_voltage() -> None:
     draft = eccentric.draft_rig(log)
 
     assert "MotorPWM" in channels(draft)["voltage"]
-    assert "set value" in draft.left_out["Target"]
+    assert "set point" in draft.left_out["Target"]
     assert any("its sign is missing" in doubt for doubt in draft.doubts)
 
 

@@ -68,7 +68,7 @@ def test_without_k_e_only_the_resultant_friction_is_emitted(tmp_path: Path) -> N
     assert set() == WITHOUT_BACK_EMF & set(dir(found.module))
     header = (tmp_path / "arm" / "arm.h").read_text(encoding="utf-8")
     assert [] == [name for name in WITHOUT_BACK_EMF if name in header]
-    assert "Begin with arm_friction_torque, which contains the back-EMF" in header
+    assert "Start with arm_friction_torque, which contains the back-EMF" in header
     assert "regressor times friction_coefficients is friction_torque" in header
     at = [float(x[0]) for x in SAMPLES]
     assert in_c(tmp_path / "arm", *at) == pytest.approx(float(resultant()[0]), rel=1e-2)
@@ -236,7 +236,7 @@ def test_without_a_scale_the_summary_calls_the_voltage(tmp_path: Path) -> None:
     assert "voltage" == called(found)
     found.write(tmp_path / "out")
     header = (tmp_path / "out" / f"{found.model.name}.h").read_text(encoding="utf-8")
-    assert f"Begin with {found.model.name}_voltage" in header
+    assert f"Start with {found.model.name}_voltage" in header
     assert "voltage" == eccentric.load_model(str(tmp_path / "out" / "model.py")).first_function
     expected = voltage("C1")[::997]
     assert found.module.voltage(omega, alpha) == pytest.approx(expected, rel=1e-2, abs=1e-2)
@@ -257,7 +257,7 @@ def test_a_fit_without_a_scale_begins_with_the_drive(
     found.emit(tmp_path / "arm", "arm")
     omega, alpha = motion()[1][::997], motion()[2][::997]
 
-    assert f"Begin with arm_{drive}," in (tmp_path / "arm" / "arm.h").read_text(encoding="utf-8")
+    assert f"Start with arm_{drive}," in (tmp_path / "arm" / "arm.h").read_text(encoding="utf-8")
     assert getattr(found.module, drive)(omega, alpha) == pytest.approx(signal[::997], rel=1e-2, abs=1e-2)
 
 

@@ -53,7 +53,7 @@ def told(
         ("C2", True, MOTOR, MU, "if the angle is the link's, mapped as the motor's"),
         ("C1", False, LINK, MU, "the angle is the motor's, mapped as the link's"),
         ("C1", True, MOTOR, MU, "the angle is the link's, mapped as the motor's"),
-        ("C2", True, LINK, MU / 2.0, r"mu is 0\.1 by the rig, and 0\.(2|199|201) makes k_e"),
+        ("C2", True, LINK, MU / 2.0, r"mu is 0\.1 in the rig file, and 0\.(2|199|201) makes k_e"),
         ("C1", True, LINK, MU / 2.0, r"\(or is mu 0\.(2|199|201)\?\)"),
         ("C2", False, MOTOR, 1.0, r"\[known\] mu = 1: the log shows"),
     ],

@@ -293,7 +293,7 @@ def test_what_the_windows_miss_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     (read,) = read_long([log], rig_of(), points=2000)
     assert read.excerpt is not None
 
-    assert "are the most that are read" in read.excerpt.note
+    assert "no more are read" in read.excerpt.note
     assert "runs" in read.excerpt.missed
     table = read_table([read], rig_of())
     assert [("excerpt", "note"), ("not_chosen", "warning")] == [(f.kind, f.severity) for f in table.findings]

@@ -144,7 +144,7 @@ DAMAGE: dict[str, Damage] = {
             {},
             "wrong_unit",
             "theta_m",
-            "the angle is in deg: k_e is 0.0011 V s/rad by the log and 0.063 by the rig",
+            "the angle is in deg: k_e is 0.0011 V s/rad in the log and 0.063 in the rig file",
         ),
     ),
     "speed in rpm, no angle": (

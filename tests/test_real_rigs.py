@@ -58,7 +58,7 @@ def test_the_winding_of_the_servo_is_not_alone() -> None:
     (check,) = [check for check in servo().ranges if check.effect == "resistance_temperature"]
     assert check.outside == "above"
     assert check.value > 3.0 * 0.393
-    assert "times copper's: not the winding alone." in diagnosis_sentence(servo())
+    assert "times copper's: the winding is not the only cause." in diagnosis_sentence(servo())
 
 
 @pytest.mark.slow

@@ -39,7 +39,7 @@ def test_the_verdict_comes_first(plain: str) -> None:
     """The sentence precedes every section, and the sections follow the order of the questions."""
     text = Reader(plain).text
     headings = [
-        "Missing: wobble[n=2].", "Error before and after", "Residual against every channel",
+        "Missing: wobble[n=2].", "Error before and after", "Residual versus each channel",
         "Friction torque",
         "The held-out part over time", "Candidates considered", "Parameters", "The model as an equation",
         "Data quality", "What to measure next", "How to reproduce",
@@ -173,11 +173,14 @@ def test_a_gain_that_is_clear_below_the_low_pass_only_is_shown_there() -> None:
     """The figures beside the verdict are those of its sentence; no fall is claimed of the rows."""
     data = sample(50)
     below = Errors(
-        "below the 25 Hz low pass of the angle", "N m", {"paper": 0.5, "extended": 0.1}, (70.0, 90.0)
+        "below 25 Hz, the cut-off frequency of the angle",
+        "N m",
+        {"paper": 0.5, "extended": 0.1},
+        (70.0, 90.0),
     )
     text = Reader(page(replace(data, errors=replace(data.errors, below=below)))).text
 
-    assert "held-out error below the 25 Hz low pass of the angle" in text
+    assert "held-out error below 25 Hz, the cut-off frequency of the angle" in text
     assert "0.5 → 0.1 N m" in text
     assert "reduction (95 % interval 70 to 90 %)" in text
     assert "80 %" in text

@@ -140,7 +140,7 @@ def test_the_plain_install_has_this_figure_and_no_captions_of_others(monkeypatch
     assert 1 == page.count("<svg")
     assert "Measured and predicted" in page
     assert 1 == page.count("<figcaption")
-    assert "Residual against every channel" not in page
+    assert "Residual versus each channel" not in page
 
 
 def correlated(**changes: Any) -> ReportData:

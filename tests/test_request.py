@@ -59,7 +59,7 @@ def test_the_best_effect_is_shown_with_its_gain_where_none_is_named(
     assert gain["interval_95"][0] < gain["percent"] < gain["interval_95"][1]
     (line,) = [line for line in without.lines if line.startswith("Best candidate: ")]
     assert f"({best['id']}), with {gain['percent']:.1f} % lower held-out error" in line
-    assert line.endswith("; it explains only part of it.")
+    assert line.endswith("; it explains only part of the residual.")
     assert without.data.conclusion.closest.startswith(line)
 
 

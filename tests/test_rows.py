@@ -121,7 +121,7 @@ def test_coarse_encoder_gets_a_lower_cut_off_and_averages_and_says_so(tmp_path: 
     cut = channels.rig.sampling.low_pass_hz
     assert 3.0 <= cut < 25.0
     assert channels.rig.sampling.average_over == pytest.approx(1.0 / cut)
-    assert any("the low pass is set to" in warning for warning in channels.intake.warnings)
+    assert any("the low-pass filter is set to" in warning for warning in channels.intake.warnings)
     _, omega, alpha = motion()
     # What is left of the acceleration's error is a small part of it.
     rows = channels.selection.usable

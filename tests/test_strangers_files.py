@@ -340,7 +340,7 @@ def test_the_doctor_says_what_a_file_is(tmp_path: Path, capsys: pytest.CaptureFi
     assert {"mode": 2} == found.texts
     assert 1 == cli.main(["doctor", str(path), str(tmp_path / "no.txt")])
     shown = capsys.readouterr().out
-    for said in ("50 rows, 4 columns", "clock: Time [ms], 500 rows a second", "v: 1 throughout, 1 missing"):
+    for said in ("50 rows, 4 columns", "clock: Time [ms], 500 rows/s", "v: 1 throughout, 1 missing"):
         assert said in shown
     assert "mode: text, 2 different" in shown
     assert "no.txt: not readable: delimited text" in shown

@@ -28,7 +28,7 @@ class LogDescription(ResultBase):
         numbers: numeric column -> its unit if the file states it, smallest and largest value, number of
             missing values.
         texts: text column -> number of different values.
-        clock: the time column, its unit, and rows per second (median); None if no column increases like a
+        clock: the time column, its unit, and rows/s (median); None if no column increases like a
             time.
         clock_doubt: what is uncertain about the time column, or why there is none; "" if nothing is.
         notes: how it was read, and what was left out.
@@ -62,7 +62,7 @@ class LogDescription(ResultBase):
         if self.clock:
             name, unit, rate = self.clock
             doubt = f" ({self.clock_doubt})" if self.clock_doubt else ""
-            yield f"  clock: {name} [{unit}], {rate:.4g} rows a second{doubt}"
+            yield f"  clock: {name} [{unit}], {rate:.4g} rows/s{doubt}"
         else:
             yield f"  no clock: {self.clock_doubt}"
         for name, (unit, low, high, missing) in list(self.numbers.items())[:_MOST_COLUMNS]:

@@ -398,8 +398,8 @@ def _too_long(fit: Any, rig: Rig) -> Iterator[str]:
     if e is not None and arm is not None and e.interval[0] > arm:
         low, high = e.interval
         yield (
-            f"{rig.path}: C_lN is {e.value:.3g} m by the log ({low:.3g} to {high:.3g}), longer than the link"
-            f" of {arm:.3g} m, and it acts at a radius of the bearing: check mu, M and M_l"
+            f"{rig.path}: C_lN is {e.value:.3g} m in the log ({low:.3g} to {high:.3g}), longer than the link"
+            f" of {arm:.3g} m, although it acts at the radius of the bearing: check mu, M and M_l"
         )
 
 

@@ -44,7 +44,7 @@ def base_source(model: Model) -> str:
     used -= set(writer.names.values())
     of_steps = {name for name in used if isinstance(getattr(steps, name, None), type)}
     return (
-        f'"""{plain(model.title)}.\n\nWritten by `eccentric diagnose`: the model that it was given.\n"""\n\n'
+        f'"""{plain(model.title)}.\n\nWritten by `eccentric diagnose`: the base model, as provided.\n"""\n\n'
         f"{_imports('sympy', used - of_steps - writer.words)}\n"
         f"{_imports('eccentric.model', writer.words)}"
         f"{_imports('eccentric.model.steps', of_steps)}"
@@ -273,12 +273,12 @@ from eccentric.output import show
 # {found.rig.axis.text("The paper's model")}.
 model = load_model({base})
 {load[1]}
-# The span of the log, from which the ranges of the library of effects follow.
+# The ranges of the log, from which those of the effects in the library follow.
 setting = {setting}
 offered = [*library(setting)]{own}
 effects = {{effect.id: effect for effect in offered}}
 
-# What the model lacks on this log.
+# The effects that the model is missing on this log.
 for name, values in {chosen}:
     model = effects[name].extend(model, values)
 {term}

@@ -121,7 +121,7 @@ def draft_of(log: Log) -> Draft:
         said = (
             f"{1.0 / grid.step:.2g}: no acceleration is to be seen (is {clock.proposal.source!r} the time?)"
         )
-        raise InputError(log.path, f"at least {limits.SLOWEST_HZ:g} rows a second", said)
+        raise InputError(log.path, f"at least {limits.SLOWEST_HZ:g} rows/s", said)
     flags = [c for c in left.values() if c.is_flag]
     ratio = {c.text: _RATIO[c.name.quantity] for c in left.values() if c.name.quantity in _RATIO}
     joint = joint_of({n: c for n, c in left.items() if n not in ratio}, grid)
@@ -395,7 +395,7 @@ def _without_copies(
             copy = r > limits.COPY and abs(sizes[0] / sizes[1] - 1.0) < 0.15 and not _letter(column)
             same = r > limits.SAME or copy
             if same or column.name.quantity == what:
-                why[column.text] = f"another {what}, or its set value: {of.text} is taken"
+                why[column.text] = f"another {what}, or its set point; {of.text} is used"
                 break
         else:
             kept.append(column)

@@ -88,7 +88,7 @@ def find_drives(
     for column, balance in sorted(found, key=lambda one: _rank(*one)):
         copied = next((one for one in kept if _copies(column, one)), None)
         if copied is not None:
-            left_out[column.text] = f"it is {copied.column.text} again, in other units or as a set value"
+            left_out[column.text] = f"it is {copied.column.text} again, in other units or as a set point"
             continue
         kept.append(_kind(column, balance))
     kept = _together(grid, motion, kept)
@@ -96,7 +96,7 @@ def find_drives(
         for one in kept:
             if one.kind == "voltage" and one.column.varies <= limits.SUPPLY:
                 left_out[one.column.text] = (
-                    f"it stays near {_middle(one.column):.4g}: a supply, no voltage at the motor"
+                    f"it stays near {_middle(one.column):.4g}: a supply, not the voltage at the motor"
                 )
         kept = [one for one in kept if one.column.text not in left_out]
     kept = _measured_current(kept, left_out)
@@ -129,7 +129,7 @@ def find_drives(
         for column in steady:
             if column.name.quantity in KINDS and np.any(column.values):
                 if coasts(motion):
-                    left_out[column.text] += " while the motion slows down: a supply, no drive"
+                    left_out[column.text] += " while the motion slows down: a supply, not a drive signal"
                     continue
                 left_out.pop(column.text)
                 proposals[column.name.quantity] = _steady(column)
@@ -142,11 +142,11 @@ def no_drive(name: Name) -> str:
     if name.role == "set":
         # A converter applies the voltage that it is told.
         told = name.quantity == "duty" or (name.quantity == "voltage" and name.word != "v")
-        return "" if told else "a set value by its name"
+        return "" if told else "a set point, by its name"
     if name.role == "computed":
         return "computed by a model or a controller, as its name says"
     if not name.signal:
-        return "no signal of a drive, by its name"
+        return "not a drive signal, by its name"
     if name.quantity not in ("", "duty", *KINDS):
         return f"{_A.get(name.quantity, f'a {name.quantity}')}, by its name"
     return ""
@@ -342,7 +342,7 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
     if name.is_rated:
         unit, sure = {"torque": "N m", "current": "A", "voltage": "V"}[one.kind], 0.3
         part = {"%": "percent", "‰": "parts per thousand", "pu": "parts"}[name.unit]
-        doubts.append(f"in {part} of a rated value that the log does not hold")
+        doubts.append(f"in {part} of a rated value that the log does not contain")
     elif name.unit:
         evidence.append(f"{unit} by its name")
     else:
@@ -353,7 +353,7 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
         if one.column.is_whole and largest >= limits.COUNTED:
             doubts.append(
                 "whole numbers: counts of a converter, or thousandths of a rated value (CiA 402), whose"
-                " factor the log does not hold"
+                " factor the log does not contain"
             )
     if _RMS.search(name.text):
         doubts.append(
@@ -362,20 +362,20 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
             else "rms values"
         )
     if name.commanded:
-        doubts.append("a set value by its name: what the motor got is not logged")
+        doubts.append("a set point, by its name: the actual value is not logged")
     if name.role == "estimated":
         doubts.append("estimated, by its name")
     if name.word == "v" and name.weak:
         doubts.append("a letter alone: it may be a velocity")
     if name.word in CONTROLS:
-        doubts.append("the output of a controller: what it is of, and its scale, the log does not hold")
+        doubts.append("the output of a controller: the log does not show its quantity or its scale")
     if name.word == "effort":
-        doubts.append("an effort may be a torque, a current or a voltage: what the drive's driver says")
+        doubts.append("an effort may be a torque, a current or a voltage, as the drive's driver defines it")
     if without_sign(one.column, motion):
         doubts.append(UNSIGNED)
     turned = one.balance.losses < 0.0 or (one.balance.losses == 0.0 and one.balance.inertia < 0.0)
     if turned:
-        evidence.append("its sign is turned: it falls where friction and inertia need it to rise")
+        evidence.append("its sign is reversed: it falls where friction and inertia need it to rise")
     said = tuple(evidence), min(one.sure, sure), "; ".join(doubts)
     return Proposal(one.kind, one.column.text, unit, *said, turned=turned, constant=one.constant)
 

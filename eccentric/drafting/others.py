@@ -96,7 +96,7 @@ def find_voltage(columns: Sequence[LoggedColumn], supply: LoggedColumn | None) -
         found = found.doubted(
             f"{supply.text} is taken in V, {level:.4g}: a register may have tenths of a volt"
         )
-    return found if supply else found.doubted("times the supply voltage, which the log does not hold")
+    return found if supply else found.doubted("times the supply voltage, which the log does not contain")
 
 
 def find_flags(

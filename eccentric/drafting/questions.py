@@ -213,10 +213,10 @@ def facts_of(grid: Grid, motion: Moved) -> list[str]:
     still = 1.0 - float(np.mean(motion.moving[inner])) if np.any(inner) else 0.0
     both = float(np.mean(motion.w[motion.moving] > 0.0)) if np.any(motion.moving) else 0.0
     facts = [
-        f"{counted(len(grid.parts), 'part')} without a gap, {1.0 / grid.step:.4g} rows a second (mean)",
+        f"{counted(len(grid.parts), 'section')} without gaps, {1.0 / grid.step:.4g} rows/s (mean)",
         (
-            f"standing (below {100 * limits.STILL:.0f} % of its speed) in {100 * still:.0f} % of rows,"
-            f" forwards in {100 * both:.0f} %"
+            f"at rest (below {100 * limits.STILL:.0f} % of its speed) in {100 * still:.0f} % of rows;"
+            f" in motion, {100 * both:.0f} % forwards"
         ),
     ]
     if one_way(motion):

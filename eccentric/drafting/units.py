@@ -206,7 +206,7 @@ def find_clock(
             where,
             problem="expected a column that rises from row to row, the time, but the log has none"
             f"{f' ({few(columns, 5)})' if columns else ''}: if its rows are evenly spaced, give the rate in"
-            " rows a second, as in --rate 500 (sample_rate_hz = 500 in a rig file)",
+            " rows per second, as in --rate 500 (sample_rate_hz = 500 in a rig file)",
         )
     score, column = found[0]
     steps = np.diff(column.values)
@@ -217,7 +217,7 @@ def find_clock(
     unit = max(likely, key=lambda one: likely[one])
     others = [c.text for s, c in found[1:] if s > 0.8 * score]
     odd = int(np.count_nonzero(np.abs(inside / usual - 1.0) > UNEVEN_STEP)) if usual else 0
-    step_said = f"step {usual * SECONDS[unit]:.4g} s, {1 / usual / SECONDS[unit]:.4g} rows a second"
+    step_said = f"step {usual * SECONDS[unit]:.4g} s, {1 / usual / SECONDS[unit]:.4g} rows/s"
     uneven = (
         f"{odd} of {len(inside)} steps differ from that by more than {100 * UNEVEN_STEP:.0f} %"
         if odd > limits.FEW_STEPS * len(inside)
@@ -242,8 +242,7 @@ def find_clock(
     elif likely[unit] < limits.SURE:
         second = sorted(likely, key=lambda one: -likely[one])[1]
         doubts.append(
-            "unit by the rate of rows alone:"
-            f" {second} would be {1 / usual / SECONDS[second]:.3g} rows a second"
+            f"unit by the rate of rows alone: {second} would be {1 / usual / SECONDS[second]:.3g} rows/s"
         )
     proposal = Proposal("time", column.text, unit, tuple(evidence), likely[unit], "; ".join(doubts))
     return Clock(proposal, column.values, breaks, usual, likely, uneven)

@@ -19,8 +19,8 @@ _WIDTH = 100
 def toml_of(draft: Draft, name: str) -> str:
     """The text of a rig file; without the questions answered, it may be too little for a fit."""
     lines = [
-        "# Drafted by eccentric from the log. # gives the evidence for the next line; #? marks what",
-        "# needs you: a doubt about the next line, or a line to uncomment, with a value that no log shows.",
+        "# Drafted by eccentric from the log. # gives the evidence for the next line; #? marks what needs",
+        "# attention: a doubt about the next line, or a line to uncomment with a value that no log shows.",
         *(f"# {_line(fact)}" for fact in draft.facts),
         "",
         f"name = {_quoted(name)}",

@@ -124,7 +124,7 @@ def backlash(setting: Setting) -> Iterator[Effect]:
         role=roles,
         load=Load.NORMAL if by_force else Load.NONE,
         formula="-(friction and gravity of the link) while the motor turns through the gap, after the load"
-        " has changed its side",
+        " has changed sides",
         shapes=shapes(3e-3, 8, 5),
         headline="backlash in the gear",
         **shared,

@@ -14,7 +14,7 @@ from eccentric.model import vocabulary as v
 
 M, M_l, L, g = (q.symbol for q in (v.M, v.M_l, v.L, v.g))
 MOST = 0.35
-"""Largest error of a declared tilt, in rad: more is no error of a spirit level."""
+"""Largest error of a declared tilt, in rad: more is not an error of a spirit level."""
 
 # What the base model of case C1 already contains, and the column of it.
 IN_C1 = {"angle_offset": "nothing at all: no term depends on the link angle"}

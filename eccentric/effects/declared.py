@@ -57,7 +57,7 @@ def constant_off(part: sp.Expr, name: str, *, warm: bool = False) -> Plausible:
         -39.0 if warm else -10.0,
         10.0,
         WARM if warm else TOLERANCES,
-        f"the true {name} less the declared one",
+        f"the true {name} minus the declared one",
         above="another winding, or a current in other units",
         below="another winding, a current in other units, or weakened magnets",
     )
@@ -71,8 +71,8 @@ def resistance_off(part: sp.Expr) -> Plausible:
         -10.0,
         79.0,
         HOT,
-        "the true resistance less the declared one",
-        above="not the winding alone: cable, brushes, or another winding",
+        "the true resistance minus the declared one",
+        above="the winding is not the only cause: cable, brushes, or another winding",
         below="another winding",
     )
 
@@ -193,7 +193,7 @@ def ki_mismatch(setting: Setting) -> Iterator[Effect]:
     hidden = setting.case == "C1" or {"inertia", "gravity"} & set(setting.left_open)
     if not setting.scaled or (hidden and not setting.masses):
         return
-    ratio = quantity("current_scale", "1", "declared torque constant over the true one, less 1", letter="r")
+    ratio = quantity("current_scale", "1", "declared torque constant over the true one, minus 1", letter="r")
     yield addition(
         "ki_mismatch",
         [(ratio, inertia_torque(setting) + gravity(setting))],

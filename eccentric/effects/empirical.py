@@ -158,7 +158,7 @@ def variable_of(name: str, setting: Setting, prefix: str = FAMILY) -> Variable:
     """
     if name == "transmitted_torque":
         value, definitions = transmitted(prefix, setting, sp.Integer(0))
-        return Variable(sp.Abs(value), "N m", "torque that the gear passes on, motor side", definitions)
+        return Variable(sp.Abs(value), "N m", "torque that the gear transmits, motor side", definitions)
     return {
         "velocity": Variable(speed, "rad/s", "speed of the motor"),
         "gravity_load": Variable(gravity(setting), "N m", "gravity torque, motor side"),

@@ -45,8 +45,8 @@ def how_often(n: int) -> str:
 def _parts(name: str, n: int, unit: str, what: str, angle: str) -> tuple[Quantity, Quantity]:
     """The coefficients of cosine and sine of one order."""
     return (
-        quantity(f"{name}_c{n}", unit, f"{what} by cos({angle})", letter=f"c_{n}"),
-        quantity(f"{name}_s{n}", unit, f"{what} by sin({angle})", letter=f"s_{n}"),
+        quantity(f"{name}_c{n}", unit, f"{what} with cos({angle})", letter=f"c_{n}"),
+        quantity(f"{name}_s{n}", unit, f"{what} with sin({angle})", letter=f"s_{n}"),
     )
 
 
@@ -65,7 +65,7 @@ def link_harmonic_friction(setting: Setting) -> Iterator[Effect]:
         title="Friction that varies over a turn of the link",
         meaning="Friction that varies with the link angle: an eccentric wheel, a bent shaft, a distorted"
         " bearing.",
-        hint="slow full turns of the link in both directions: friction changes its sign with the direction",
+        hint="slow full turns of the link in both directions: friction changes sign with the direction",
         kin=GRAVITY,
     )
     for n in LINK_ORDERS:
@@ -105,7 +105,7 @@ def motor_harmonic_friction(setting: Setting) -> Iterator[Effect]:
             PossibleCause("the teeth of its pinion", {"gear": ("planetary", "worm", "spur")}),
             PossibleCause("the two lobes of a wave generator", {"gear": ("strain wave",)}),
         ),
-        hint="slow turns of the motor in both directions: friction changes its sign with the direction",
+        hint="slow turns of the motor in both directions: friction changes sign with the direction",
         tell_apart={
             "cogging": "Turn the motor slowly in both directions: cogging keeps its sign.",
             "kt_ripple": "Turn the motor slowly at low and at high current: the ripple grows with the"
@@ -160,8 +160,8 @@ def nonsynchronous_friction(setting: Setting) -> Iterator[Effect]:
     if peak is None:
         return
     order = positive("nonsync_order", "1", "periods per turn of the motor", "nu")
-    C = quantity("nonsync_c", "N m", "friction torque by cos(nu theta_m)", letter="c_nu")
-    S = quantity("nonsync_s", "N m", "friction torque by sin(nu theta_m)", letter="s_nu")
+    C = quantity("nonsync_c", "N m", "friction torque with cos(nu theta_m)", letter="c_nu")
+    S = quantity("nonsync_s", "N m", "friction torque with sin(nu theta_m)", letter="s_nu")
     cosine, sine = harmonic(order.symbol)
     half, least = 0.5 / setting.turns, APART / setting.turns
     low = max([peak - half, *(own + least for own in harmonics if own < peak)])
@@ -263,7 +263,7 @@ def kt_ripple(setting: Setting) -> Iterator[Effect]:
             50.0 * (1.0 - math.cos(math.pi / 6.0)),
             "half of 1 - cos 30 deg, six-step commutation; T. M. Jahns and W. L. Soong, 1996",
             "the ripple of the torque constant",
-            above="commutation that is off, or cogging that the current compensates",
+            above="a commutation error, or cogging that the current compensates",
         )
         yield of_flux(
             "kt_ripple",

@@ -31,7 +31,7 @@ from eccentric.model import vocabulary as v
 # output wheel off its centre errs once per turn of the link, and an oval one twice.
 MOTOR_ORDERS, LINK_ORDERS = (1, 2), (1, 2)
 ACCURACY = "Harmonic Drive LLC, CSF-CSG catalogue, undated: positioning accuracy of 0.5 to 2 arcmin, span"
-ONLY_FRICTION = "Turn slowly in both directions: only friction changes its sign."
+ONLY_FRICTION = "Turn slowly in both directions: only friction changes sign."
 
 IN_C1 = {"joint_compliance": "nothing at all: without gravity it shows in jerk and snap of the motor alone"}
 
@@ -165,7 +165,7 @@ def encoder_eccentricity(setting: Setting) -> Iterator[Effect]:
         meaning=(
             "The scale of the encoder is not centred on its shaft: the angle has an error that repeats once"
             " per turn, the velocity one that grows with the speed, the acceleration one that grows with its"
-            " square. The friction torque has no term of it: correct what is read, or centre the scale."
+            " square. It adds no term to the friction torque: correct what is read, or centre the scale."
         ),
         hint="constant speeds over a wide range: the error grows with the square of the speed",
         tell_apart={

@@ -172,8 +172,8 @@ def gear_efficiency(setting: Setting) -> Iterator[Effect]:
     eta = nonnegative("gear_eta", "1", "loss of the gear per torque, driving", "eta")
     rho = nonnegative("gear_rho", "1", "loss of the gear, back-driven over driving", "rho")
     words = Words(
-        title="Gear losses that differ between driving and being driven",
-        meaning="A gear whose losses differ between driving the load and being driven by it.",
+        title="Gear losses that differ between driving and back-driving",
+        meaning="A gear whose losses differ between driving the load and being back-driven by it.",
         hint="raise and lower the mass slowly at the same speeds: the losses should differ",
         kin=LOAD,
     )
@@ -185,8 +185,8 @@ def gear_efficiency(setting: Setting) -> Iterator[Effect]:
         # At rest the gear adds nothing, hence the squared direction.
         basis = both * sp.Abs(load.torque) * direction + differ * load.torque * direction**2
         for ending, headline, ratios in (
-            ("", "gear losses that differ between driving and being driven", weaker),
-            (",driven", "gear losses that are larger when the load drives the motor", stronger),
+            ("", "gear losses that differ between driving and back-driving", weaker),
+            (",driven", "gear losses that are larger when back-driving", stronger),
         ):
             yield gear_loss(
                 "gear_efficiency",
@@ -201,7 +201,7 @@ def gear_efficiency(setting: Setting) -> Iterator[Effect]:
                 shapes=(ratios,),
                 plausible=(_efficiency(eta.symbol),),
                 words=words,
-                headline=f"{headline}, by the {load.variant} torque",
+                headline=f"{headline}, proportional to the {load.variant} torque",
             )
 
 

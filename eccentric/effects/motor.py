@@ -85,7 +85,7 @@ def magnet_temperature(setting: Setting) -> Iterator[Effect]:
         0.20,
         "neomagnetsupplier.com, Types of Magnets, 2008: ferrite 0.20, NdFeB 0.12, SmCo 0.04, Alnico 0.02 %/K",
         "the temperature coefficient of the flux",
-        above="not the magnets alone",
+        above="the magnets are not the only cause",
         below="less than any magnet, or a sensor that warms up more than the magnets",
     )
     zero = reference_temperature("magnet", setting.temperature_mid)
@@ -219,8 +219,8 @@ def inverter_deadtime(setting: Setting) -> Iterator[Effect]:
         needs=BOTH,
         words=Words(
             headline="the voltage lost to the dead time of the inverter",
-            meaning="Dead time of the inverter, drop across switches or brushes: a voltage lost with the"
-            " current's sign.",
+            meaning="Dead time of the inverter, drop across switches or brushes: a voltage drop with"
+            " the sign of the current.",
             hint="currents that pass slowly through zero in both directions, with a locked rotor",
         ),
     )
@@ -248,7 +248,7 @@ def resistance_temperature(setting: Setting) -> Iterator[Effect]:
         "the temperature coefficient of the resistance",
         0.393,
         "copper's",
-        above="not the winding alone",
+        above="the winding is not the only cause",
         below="a part of the resistance that is not copper, or a sensor that warms up more than the winding",
     )
     warming = Plausible(
@@ -321,8 +321,8 @@ def armature_inductance(_: Setting) -> Iterator[Effect]:
         needs=BOTH,
         words=Words(
             headline="the inductance of the armature",
-            meaning="The winding's inductance, which the paper neglects: a voltage by the rate of the"
-            " current.",
+            meaning="The winding's inductance, which the paper neglects: a voltage proportional to"
+            " the rate of change of the current.",
             hint="voltage steps with a locked rotor, finely sampled; a sensor's delay shows in the torque as"
             " well",
         ),

@@ -115,8 +115,8 @@ def sublinear_viscous(setting: Setting) -> Iterator[Effect]:
     words = Words(
         headline="viscous friction that grows less than proportionally to speed",
         meaning=(
-            "Viscous friction that shear or heat of a lubricant holds back as speed rises, by Carreau's law;"
-            " Cross's, Eyring's and power laws are so close to it that a log seldom distinguishes them."
+            "Viscous friction of a lubricant that thins with shear or heat as the speed rises, by Carreau's"
+            " law; Cross's, Eyring's and power laws are so close to it that a log seldom distinguishes them."
         ),
         hint="steady runs over a speed range of 1 to 10 or more, warm and cold, in both directions",
         causes=(
@@ -214,8 +214,8 @@ def asymmetry(setting: Setting) -> Iterator[Effect]:
         dry = replace(
             dry,
             headline=f"{dry.headline}, or an offset of the drive's sensor",
-            meaning="Dry friction that differs by direction, or an offset of the sensor of the drive: in"
-            " motion they are the same.",
+            meaning="Dry friction that differs by direction, or an offset of the drive sensor: in"
+            " motion they look the same.",
         )
     yield addition(
         "coulomb_asymmetry",

@@ -181,8 +181,8 @@ def stribeck_temperature(setting: Setting) -> Iterator[Effect]:
         plausible=(thinning(b.symbol),),
         words=Words(
             headline="Stribeck friction whose velocity rises with temperature",
-            meaning="A warm film of lubricant is thin and needs more speed to carry: the Stribeck velocity"
-            " rises as the viscosity falls, at a constant product of both (Hersey number).",
+            meaning="A warm film of lubricant is thin and needs a higher speed to carry the load: the"
+            " Stribeck velocity rises as the viscosity falls, at a constant product of both (Hersey number).",
             hint="slow runs at several speeds below and around the Stribeck velocity, cold and warm",
             kin=TEMPERATURE,
             tell_apart={"stribeck": "Repeat slow runs at several speeds over a ramp of 20 K or more."},

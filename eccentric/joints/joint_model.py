@@ -38,7 +38,7 @@ T_r = quantity("T_r", "N m", "torque that accelerates the rotor of the motor", "
 N_l = quantity("load_N", "N", "force across the axis of the joint", "(8)", "nonnegative", letter="N_l")
 T_l = quantity("load_T", "N", "force along the axis of the joint", "(8)", "nonnegative", letter="T_l")
 M_l = quantity("load_M", "N m", "moment on the bearing across the axis", "(8)", "nonnegative", letter="M_B")
-T = quantity("load_G", "N m", "size of the torque that the gear passes on, motor side", "(3)", letter="T")
+T = quantity("load_G", "N m", "size of the torque that the gear transmits, motor side", "(3)", letter="T")
 
 B_lM = quantity(
     "B_lM", "s/rad", "viscous friction of the joint per bending moment", "(9)", "nonnegative", "0"

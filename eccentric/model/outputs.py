@@ -253,7 +253,7 @@ def drive_interface(model: Model) -> Interface:
         output(
             "friction_torque_with_gradient",
             f"N m, N m per {', '.join(units[x] for x in dependence)}",
-            "friction_torque and its partial derivatives, as a linearisation needs them",
+            "friction torque and its partial derivatives, for linearisation",
             (("friction_torque", resultant),),
             dependence,
         ),

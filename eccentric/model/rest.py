@@ -77,7 +77,7 @@ def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = 
             sp.Matrix(sp.symbols(names)),
             sp.Matrix(rows),
             ("N m", "N m", *["N m s/rad"] * (len(rows) - 2)),
-            "Its dry part has a level for each direction of motion, and the rest is viscous, for the load at"
+            "Its dry part has a level for each direction of motion; the other part is viscous, at the load of"
             " this state.",
         ),
         Equation(
@@ -90,8 +90,8 @@ def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = 
                 (sp.Min(upper, sp.Max(lower, T)), True),
             ),
             "N m",
-            "At rest dry friction is any torque between its levels: it takes the torque T of all else as far"
-            " as they reach.",
+            "At rest dry friction is any torque between its levels: it balances the torque T of all else as"
+            " far as they reach.",
         ),
         Equation(
             "momentum",
@@ -99,7 +99,7 @@ def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = 
             p,
             inertia * omega_m + dt * T,
             "N m s",
-            "Over a time step Delta t, T alone would give the drive this momentum; friction takes"
+            "Over a time step Delta t, T alone would give the drive this momentum; friction removes"
             " Delta t f of it.",
         ),
         Equation(
@@ -111,7 +111,7 @@ def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = 
             "So the velocity at its end is, in closed form, with the levels at its start:",
             (
                 Identity(
-                    "forwards, what friction takes of the momentum is its value at the end, times the step",
+                    "forwards, the momentum that friction removes is its value at the end, times the step",
                     of_momentum(dt * high + e, ahead, high + c * ahead),
                 ),
                 Identity("and backwards", of_momentum(-dt * low - e, back, -low + c * back)),

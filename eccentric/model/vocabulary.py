@@ -96,7 +96,7 @@ omega_star = quantity(
     "omega_star", "rad/s", "the critical velocity on the motor side", "(22)", "nonnegative", letter="omega^*"
 )
 scale_N = quantity("scale_N", "N s^2/rad^2", "normal force per squared motor velocity, M L mu^2", "(8)")
-fastest = quantity("fastest", "1", "greatest speed in rad/s that F_N counts: 2^30, or 0 if M L = 0")
+fastest = quantity("fastest", "1", "largest speed in rad/s used in F_N: 2^30, or 0 if M L = 0")
 speed = quantity("speed", "rad/s", "magnitude of the motor velocity, at most 2^30, 0 if M L = 0")
 
 B = quantity("B", "N m s/rad", "viscous friction on the motor side, B_m + mu^2 beta_T", "(13)", "nonnegative")

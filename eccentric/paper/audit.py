@@ -150,7 +150,7 @@ def gear_ratio() -> str:
     same = sp.sign(v.mu.symbol * omega_m) == sp.sign(omega_m)  # the symbol mu is only positive
     verdict = "= sgn(omega_m) for every positive mu" if same else "DIFFERS from sgn(omega_m)"
     return (
-        "(3) requires mu < 1, while section 3 speaks of direct drives with mu = 1.\n"
+        "(3) requires mu < 1, while section 3 mentions direct drives with mu = 1.\n"
         "   Nothing in the derivation requires mu < 1: it only divides by mu, and, by SymPy,"
         f" sgn(mu omega_m) {verdict}.\n"
         "   Reading: any mu > 0 is valid."
@@ -196,7 +196,7 @@ def balanced_mass() -> str:
     table = values("c2_parallel")
     force, dry = float(balanced.subs(table)), float((v.mu.symbol * v.C_lN.symbol * balanced).subs(table))
     return (
-        "Section 2 says that the normal forces of an evenly distributed mass have the sum zero;"
+        "Section 2 says that the normal forces of an evenly distributed mass sum to zero;"
         f" in case C2, (16) with M = 0 gives F_N = {balanced}.\n"
         f"   Table 1, mu = 1/5: F_N = {force:.3f} N, or {dry:.4f} N m of Coulomb friction at the motor.\n"
         "   Reading: F_N of a balanced link is its weight: its friction does not depend on the angle, and is"
@@ -240,7 +240,7 @@ def constant_speed() -> str:
     u = module.voltage(theta_l / mu, omega_m, 0.0, module.Parameters(mu=mu, J_m=0.0, J_l=0.0))
     low, high = int(np.argmin(u)), int(np.argmax(u))
     return (
-        "Section 4 takes the velocity as constant over the turn; by (4), G and F_N vary the voltage then.\n"
+        "Section 4 assumes a constant velocity over the turn; by (4), G and F_N then make the voltage vary.\n"
         f"   Table 1, mu = 1/5, critical velocity: u from {u[low]:.2f} V at theta_l = {theta_l[low]:.2f} rad"
         f" to {u[high]:.2f} V at {theta_l[high]:.2f} rad.\n"
         "   Reading: a controller holds the speed; at constant voltage alpha_m is not zero in case C2."

@@ -22,9 +22,9 @@ _CORRELATED = 0.5
 def course_lines(course: Replay, log: str) -> list[str]:
     """What was learned, what was not seen, and what was announced; `log` is the name of the log."""
     lines = [
-        f"{log}: {course.used} samples learned from, {course.still} at rest or after a reversal"
-        + (f", {course.unusable} that no fit uses" if course.unusable else "")
-        + (f", {course.out_of_range} beyond the range of an input" if course.out_of_range else "")
+        f"{log}: {course.used} samples used, {course.still} skipped at rest or after a reversal"
+        + (f", {course.unusable} excluded as in a fit" if course.unusable else "")
+        + (f", {course.out_of_range} outside the range of an input" if course.out_of_range else "")
     ]
     width = max(map(len, course.names))
     lines.append(f"  {'':{width}}  {'start':>10}  {'end':>10}  {'std error':>10}  unit")
@@ -34,25 +34,23 @@ def course_lines(course: Replay, log: str) -> list[str]:
         lines.append(f"  {name:{width}}  {numbers}  {course.units[j]}")
     ages = zip(course.names, course.unseen[-1], strict=True)
     lines += [f"{name} not seen for {age:.0f} s" for name, age in ages if age > _LONG_S]
-    lines += [
-        f"alarm at {t:.6g} s: {kind} friction than was learned" for t, kind in course.alarms[:_MOST_ALARMS]
-    ]
+    lines += [f"alarm at {t:.6g} s: {kind} friction than learned" for t, kind in course.alarms[:_MOST_ALARMS]]
     if len(course.alarms) > _MOST_ALARMS:
         lines.append(f"and {len(course.alarms) - _MOST_ALARMS} more alarms")
     if not course.alarms:
         lines.append(
-            f"no alarm; a false one is expected in {course.asked.false_alarms:.3g} samples in motion"
+            f"no alarm; on average {course.asked.false_alarms:.3g} samples in motion give one false alarm"
         )
     if not _QUIETER < course.noise < _NOISIER:
         lines.append(
             f"the innovations are {course.noise:.2g} times the noise that the prior assumes"
-            f" ({course.assumed:.3g} {course.axis.unit('N m')}): the standard errors are to be scaled alike"
+            f" ({course.assumed:.3g} {course.axis.unit('N m')}): scale the standard errors by the same factor"
         )
     if course.correlation > _CORRELATED:
         lines.append(
             f"the innovations are correlated from row to row ({course.correlation:.2g}): the standard errors"
-            " are too small, and unless a filter in the log is the cause, an effect is missing:"
-            " eccentric diagnose"
+            " are too small; unless a filter in the log is the cause, an effect is missing: run eccentric"
+            " diagnose"
         )
     return lines
 

@@ -46,7 +46,7 @@ def calls(found: Diagnosis) -> list[str]:
             return [f"{_undecided(found)}to call{' it' * bool(_undecided(found))}: {torque}", *elsewhere]
         base = found.models.base.name
         plain = found.rig.axis.term("the paper's model")
-        whose = f"{base}, fitted anew" if is_result_name(base) else f"{plain}, fitted"
+        whose = f"{base}, refitted" if is_result_name(base) else f"{plain}, fitted"
         return [f"nothing was added; to call {whose}: {torque}"]
     stepped = [a for a in emitted.inputs_of("next_state") if a not in states]
     return [
@@ -128,7 +128,9 @@ def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
             f" {law.error_max:.3g} N m at most"
         )
         if drive.takes("alpha_m"):
-            lines.append("friction that follows the acceleration is left out: the error is at constant speed")
+            lines.append(
+                "friction that depends on the acceleration is left out: the error is at constant speed"
+            )
         least, most = (f"{x:.4g}" for x in law.breakaway)
         own = f"+-{least} N m" if least == most else f"{least} to {most} N m, depending on the angle"
         back, forth = f"{law.lower:.4g}", f"{law.upper:.4g}"

@@ -106,8 +106,8 @@ def _verdict(found: Diagnosis) -> str:
     left = found.score.rmse[found.score.balance]["paper"]
     if left > PROVABLE * found.noise_floor:
         return (
-            f"Nothing more can be proved from this log: the remaining {left:.4g} {unit} are well above"
-            f" the sensor noise of {found.noise_floor:.2g} {unit}, but no effect explains more of them"
+            f"Nothing more can be proved from this log: the remaining {left:.4g} {unit} is well above"
+            f" the sensor noise of {found.noise_floor:.2g} {unit}, but no effect explains more of it"
             " than chance would."
         )
     return (
@@ -154,7 +154,9 @@ def _closest(found: Diagnosis) -> str:
         return ""
     what = effect_name(best.effect.words.headline, best.effect.id)
     rest = (
-        "it explains only part of it" if found.attribution.verdict == "unexplained" else "this is not proved"
+        "it explains only part of the residual"
+        if found.attribution.verdict == "unexplained"
+        else "it is not proved"
     )
     percent, (low, high), where = best.percent, best.interval, ""
     if best.below is not None and only_below(best.interval, best.below):
@@ -228,7 +230,7 @@ def _gain(found: Diagnosis, change: str) -> str:
     lowers, by = _lowers(below.before, below.after, unit, below.percent, below.interval)
     goes, why = "goes", ""
     if score.interval[1] < 0.0:
-        goes, why = "rises", ", because the low pass removes the acceleration that faster ripple causes"
+        goes, why = "rises", ", because the filter removes the acceleration that faster ripple causes"
     return (
         f"{change} {lowers} the held-out error below {below.cut_hz:g} Hz {by}; row by row it"
         f" {goes} from {before:.4g} to {after:.4g} {unit}{why}"
@@ -267,7 +269,7 @@ def _or_else(found: Diagnosis, effect: Effect) -> str:
     """What explains the log as well as a wrong declared value does."""
     own, best = found.attribution.adopted_as(effect.id), {c.family: c for c in found.attribution.candidates}
     others = [best[f] for f in own.alike if f in best and f != effect.family] if own else []
-    return "".join(f", or missing is {effect_name(c.words.headline, c.id)}" for c in others)
+    return "".join(f", or the model is missing {effect_name(c.words.headline, c.id)}" for c in others)
 
 
 def _values(found: Diagnosis, effect: Effect) -> tuple[float, float] | None:
@@ -295,7 +297,7 @@ def _alike(found: Diagnosis) -> str:
     aliases = {effect.id: aliases_of(found, effect) for effect, _ in found.effects}
     alike = {name: " or ".join(others) for name, others in aliases.items() if others}
     return "".join(
-        f" As the rig is declared, {name} looks the same as {other}." for name, other in alike.items()
+        f" With the rig as declared, {name} looks the same as {other}." for name, other in alike.items()
     )
 
 
@@ -488,7 +490,7 @@ def _over_runs(over: OverRuns, unit: str, angle: str) -> list[str]:
     if over.below is not None and over.gains["extended"][1][0] <= 0.0 < over.below[1][0]:
         percent, (low, high) = over.below
         out.append(
-            f"  below the low pass of the {angle}: {percent:.1f} % lower error"
+            f"  below the cut-off frequency of the {angle}: {percent:.1f} % lower error"
             f" (95 % interval of the gain {low:.1f} to {high:.1f} %)"
         )
     return out

@@ -118,7 +118,7 @@ def inertia_words(rig: Rig) -> str:
     if not rig.per_inertia:
         return ""
     inertia, one = rig.axis.term("inertia"), rig.axis.unit("kg m^2")
-    return f"no {inertia} is declared: torques are over it, in rad/s^2; the emitted model has 1 {one}"
+    return f"no {inertia} is declared: torques are divided by it, in rad/s^2; the emitted model uses 1 {one}"
 
 
 def _undetected_lines(fit: Fit) -> list[str]:

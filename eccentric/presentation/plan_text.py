@@ -78,7 +78,7 @@ _CONSTANT_FIRST = (
     " wrong {k_i}."
 )
 _BOTH_DIRECTIONS = (
-    "Log both directions first: friction changes its sign with the direction, cogging and loads do not."
+    "Log both directions first: friction changes sign with the direction, cogging and loads do not."
 )
 
 
@@ -104,7 +104,7 @@ def _separate(found: NextMeasurement, axis: AxisKind) -> str:
     first, second = found.between
     one, other = (words.headline or family for family, words in (first, second))
     return axis.text(measurement_between(first, second)) or (
-        f"Log what separates {one} from {other}: other speeds, loads and directions than this log has."
+        f"Log what separates {one} from {other}: speeds, loads and directions that this log does not contain."
     )
 
 
@@ -164,7 +164,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
             said.append(f"To settle it: {measurement_sentence(plan.otherwise, plan.axis)}")
     else:
         said += [
-            f"  {axis.named(name)}: standard error falls to {100 * part:.0f} % of what the log gives"
+            f"  {axis.named(name)}: standard error falls to {100 * part:.0f} % of its value from the log"
             if part < HARDLY
             else f"  {axis.named(name)}: standard error hardly changes"
             for name, part in plan.narrower.items()
@@ -174,7 +174,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
     moved, bounds = plan.motion, plan.bounds
     if plan.added:
         said.append(
-            f"All of this is with {plan.added:g} kg more on the link: name the run under [added] in the rig"
+            f"All of this is for {plan.added:g} kg more on the link: name the run under [added] in the rig"
             f' file (RUN = "{plan.added:g} kg"), and diagnose both logs.'
         )
     said.append(

@@ -141,8 +141,8 @@ def loss_sentence(loss: InertialLoss, axis: AxisKind) -> str:
     """What is wrong with friction that takes more of an acceleration than the inertia."""
     unit = axis.unit("kg m^2")
     return (
-        f"friction that follows the acceleration takes up to {loss.loss:.3g} {unit}, more than the"
-        f" {axis.term('inertia')} of {loss.inertia:.3g} {unit}: a step in time has no single solution"
+        f"friction that depends on the acceleration amounts to up to {loss.loss:.3g} {unit}, more than the"
+        f" {axis.term('inertia')} of {loss.inertia:.3g} {unit}: a time step has no unique solution"
     )
 
 
@@ -156,7 +156,7 @@ def not_emitted(loss: InertialLoss | None, axis: AxisKind) -> tuple[str, ...]:
 def no_inertia_sentence(name: str, axis: AxisKind) -> str:
     """What is wrong with an inertia that a log puts at 0."""
     inertia = f"{axis.named(name)}, the {axis.term('inertia')} of the drive,"
-    return f"{inertia} is 0 by the log, which diagnose refuses: declare it"
+    return f"{inertia} is 0 in the log, which diagnose refuses: declare it"
 
 
 def plot_simulation(found: SimulatedErrors, axes: Sequence[Any], unit: str) -> None:
@@ -297,7 +297,7 @@ def _first_below(found: Contest) -> str:
         return ""
     return (
         f"below {found.low_pass_hz:g} Hz {best.name} is the best; if it has a faster ripple, that adds error"
-        " row by row, since the low pass removes the acceleration that it causes"
+        " row by row, since the low-pass filter removes the acceleration that it causes"
     )
 
 

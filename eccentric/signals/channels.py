@@ -313,7 +313,7 @@ def _with_room_for(
         given.axis.term("angle"),
     )
     said = (
-        f"a ripple of {lines[0]} per turn stands out of the drive: the low pass is set to {cut:.3g} Hz"
+        f"a ripple of {lines[0]} per turn stands out of the drive: the low-pass filter is set to {cut:.3g} Hz"
         f"{f', though the {noisy} is noisy there' if rig.sampling.average_over else ''}"
         " (low_pass_hz and average_over of the rig override this)"
     )

@@ -170,7 +170,7 @@ def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, 
     """Return angle [rad], velocity [rad/s], acceleration [rad/s^2] of one stretch (n,), and if low-passed.
 
     Unevenly sampled angles are interpolated linearly on a grid of the median step, filtered and
-    differentiated there, and interpolated back to the rows. If a log is too coarse for the low pass, a
+    differentiated there, and interpolated back to the rows. If a log is too coarse for the low-pass filter, a
     quintic spline through the raw angle is differentiated: differences over such coarse steps would lose part
     of the acceleration, and the additional noise of the spline is averaged out by the windows of such a log.
     """
@@ -211,13 +211,13 @@ def motion_of(
     warnings: list[str] = []
     if plain and math.isinf(cut_hz):
         warnings.append(
-            "the log is too coarse for the low pass: velocity and acceleration are those of a spline "
+            "the log is too coarse for the low-pass filter: velocity and acceleration are those of a spline "
             f"through the {axis.term('angle')}, averaged over windows of twelve steps"
         )
     elif plain:
         warnings.append(
             f"{sum(plain)} of {len(t)} rows are too coarse, or in stretches too short, for the "
-            f"{cut_hz:g} Hz low pass: their velocity and acceleration are those of a spline"
+            f"{cut_hz:g} Hz low-pass filter: their velocity and acceleration are those of a spline"
         )
     return signals.T, warnings
 
@@ -297,7 +297,7 @@ def suited(
     said = (
         f"at {low_pass_hz:g} Hz encoder steps and time-stamp jitter of the {rig.axis.term('angle')} make up"
         f" {100 * noise / size:.0f} % of the"
-        f" acceleration: the low pass is set to {cut:.2g} Hz, and both sides are averaged over"
+        f" acceleration: the low-pass filter is set to {cut:.2g} Hz, and both sides are averaged over"
         f" {1.0 / cut:.2g} s (low_pass_hz and average_over of the rig override this)"
     )
     return _averaged(rig, cut, 1.0 / cut), said
@@ -326,7 +326,7 @@ def _raised(
         return rig, ""
     said = (
         f"the load moves faster than {default:g} Hz, with {100 * missed / seen:.0f} % of the square of its"
-        f" acceleration: the low pass is set to {chosen:g} Hz (low_pass_hz of the rig overrides this)"
+        f" acceleration: the low-pass filter is set to {chosen:g} Hz (low_pass_hz of the rig overrides this)"
     )
     return dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, low_pass_hz=chosen)), said
 

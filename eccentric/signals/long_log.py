@@ -385,23 +385,21 @@ def _said(chosen: Sequence[_Chosen], axis: AxisKind) -> tuple[str, str]:
     used, whole = sum(windows.values()), sum(every.values())
     size = f"{len(windows)} of {len(every)} windows of {limits.WINDOW_S:g} s are used"
     size += f" ({used:.4g} of {whole:.5g} s)"
-    left = f"{100 * max(0.0, *(one.choice.worse for one in chosen)):.1f} % in the square of what is left"
+    left = f"{100 * max(0.0, *(one.choice.worse for one in chosen)):.1f} % of the squared residual"
     of = "" if len(chosen) == 1 else " of every joint"
     if all(one.choice.enough for one in chosen):
         why = (
-            f"more of them would add nothing: coefficients of the base model{of} from these windows predict"
-            f" the whole log as well as those from all of it, to {left}"
+            f"more would add nothing: the base model{of}, fitted to them, predicts the whole log as well as"
+            f" if fitted to all of it, to {left}"
         )
     else:
         some = "" if len(chosen) == 1 else " of some joint"
         why = (
-            f"these are the most that are read: coefficients of the base model{some} from all of the log"
-            f" predict it better, by {left}"
+            f"no more are read: the base model{some}, fitted to the whole log, predicts it better, by {left}"
         )
     states = sum(one.choice.states for one in chosen)
     missing = sum(one.choice.missing for one in chosen)
-    seen = f"{states - missing} of the {states} states that the drive{'' if not of else 's'}"
-    seen += f" {'was' if not of else 'were'} in are in them"
+    seen = f"they contain {states - missing} of the {states} states of the drive{'' if not of else 's'}"
     told = [_missed(one, axis.term("angle")) for one in chosen]
     if of:
         told = [f"joint {j}: {text}" for j, text in enumerate(told, start=1) if text]
@@ -421,13 +419,12 @@ def _missed(chosen: _Chosen, angle: str) -> str:
         missed.append(f"windows unlike the others ({_shown([windows[k] for k in choice.unlike])})")
     if choice.runs:
         missed.append(f"{choice.runs} runs")
-    said = [f"not in the windows that are used: {'; '.join(missed)}"] if missed else []
+    said = [f"not in these windows: {'; '.join(missed)}"] if missed else []
     if choice.blind:
         shown = _shown([windows[k] for k in choice.blind])
         said.append(
             f"{len(choice.blind)} windows could not be assessed ({shown}), since their rows are too few or"
-            f" too uneven in time, or the {angle} jumps: whether the windows that are used speak for them is"
-            " not known"
+            f" too uneven in time, or the {angle} jumps: the windows used may not represent them"
         )
     return "; ".join(said)
 

@@ -219,7 +219,7 @@ def require_rows(rows: Rows, part: Literal["train", "score"], least: int, where:
 # Over which band a held-out error is taken: below the low pass of the angle, or above it.
 #
 # A model knows the motion below the cut-off only; the drive is compared as it was logged. What is left
-# above is the noise of the sensors, or a motion that the low pass has taken from one side of the balance.
+# above is sensor noise, or a motion that the low pass has taken from one side of the balance.
 
 
 @dataclass(frozen=True)
@@ -243,7 +243,7 @@ class Band:
             return ""
         return (
             f"most of the held-out error lies above {self.cut_hz:g} Hz, which the model cannot see: motion"
-            " that the low pass has removed (a higher low_pass_hz shows it), or ripple of the drive"
+            " that the low-pass filter has removed (a higher low_pass_hz shows it), or ripple of the drive"
             " (average_over averages it out)"
         )
 

@@ -271,7 +271,7 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
     findings = [Finding("left_out", "", f"{log.path}: {note}", 0, "note") for note in log.notes]
     findings += [*_excerpt(log), *turned]
     if found.by_rate:
-        rate = f"{rig.log.sample_rate_hz:g} rows a second by the rig"
+        rate = f"{rig.log.sample_rate_hz:g} rows per second in the rig file"
         text = f"{log.path}: no column is the time: it follows from the number of the row, {rate}"
         findings.append(Finding("by_rate", "time", text, log.rows, "note"))
     if rejected:

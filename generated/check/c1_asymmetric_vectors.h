@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_asymmetric.c (program 7d8fcd5d).
+ * Generated: do not edit. Belongs to c1_asymmetric.c (program 0223e61b).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -155,7 +155,7 @@ def _steady(model: Model, angle: bool, tabled: bool) -> list[str]:
     last = "units in the last place"
     if angle:
         force, friction = NORMAL_FORCE.within(last, tabled), FRICTION_TORQUE.within(last, tabled)
-        slope = GRADIENT.within("eps of its greatest value at that speed, any angle", tabled)
+        slope = GRADIENT.within("eps of its largest value at that speed, any angle", tabled)
     else:
         proved = model.expand(model.definition("F_N").symbol) == _CENTRIFUGAL
         force = (PROVED_FORCE if proved else WITHOUT_ANGLE).within(last, table_1=False)
@@ -166,7 +166,7 @@ def _steady(model: Model, angle: bool, tabled: bool) -> list[str]:
 
 def _accelerated(model: Model, tabled: bool) -> list[str]:
     """With an acceleration F_N vanishes along a curve, and near it the digits of its direction are lost."""
-    greatest = "its greatest value, any direction of F_N, times that load over F_N"
+    greatest = "its largest value, any direction of F_N, times that load over F_N"
     return _lines(
         model,
         ACCELERATED_FORCE.within("eps (M L (omega_l^2 + |alpha_l|) + weight)", tabled),

@@ -137,7 +137,7 @@ def notes(model: Model, shared: Prepare) -> tuple[tuple[str, str], ...]:
 def _formula(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> str:
     """The formula of a coefficient as a person would write it."""
     if isinstance(value, InSingle):
-        return f"{_formula(value.args[0], values)}, in double all"
+        return f"{_formula(value.args[0], values)} (in double: all)"
     if isinstance(value, Leading | Rounded):
         kind = "leading digits" if isinstance(value, Leading) else "in the working precision"
         if any(_is_left(values[s], values) for s in value.free_symbols if s in values):

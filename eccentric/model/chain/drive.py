@@ -40,7 +40,7 @@ _FOLLOWED = (
     _Followed(Load.NORMAL, "lN", "normal force", "m", "1"),
     _Followed(Load.TRANSVERSAL, "lT", "transversal force", "m", "1"),
     _Followed(Load.BENDING, "lM", "bending moment", "1", "1/m"),
-    _Followed(Load.TRANSMITTED, "lG", "what the gear passes on", "1", "1"),
+    _Followed(Load.TRANSMITTED, "lG", "transmitted torque", "1", "1"),
 )
 _VISCOUS = {"m": "m s/rad", "1": "s/rad"}
 _VISCOUS_SLIDING = {"1": "s/m", "1/m": "s/m^2"}

@@ -93,7 +93,7 @@ class _Outputs:
         kinds = {t.kind for b in self._model.balances if b.unit == "N m" for t in b.terms}
         if not kinds.isdisjoint({"conservative", "actuator"}):
             one = declared["motor_torque"]
-            meaning = f"{one.meaning}, and the effects that are no friction"
+            meaning = f"{one.meaning}, and the effects that are not friction"
             declared["motor_torque"] = one._replace(meaning=meaning)
         listed = [self._made(name, one, **more.get(name, {})) for name, one in declared.items()]
         if self._model.states:
@@ -198,13 +198,14 @@ class _Outputs:
     # The outputs. Those on request are long.
 
     @_output(
-        "N m", "torque of every motor that moves bodies and rotors and holds the weight, without friction"
+        "N m", "torque of every motor that moves bodies and rotors and supports the weight, without friction"
     )
     def inverse_dynamics(self) -> _Results:
         return _labelled("tau_m", self._found.motor_torques)
 
     @_output(
-        "N m", "torque of every motor that the motion takes: inverse_dynamics and mechanical_friction_torque"
+        "N m",
+        "torque of every motor that the motion requires: inverse_dynamics plus mechanical_friction_torque",
     )
     def motor_torque(self) -> _Results:
         for j, (bodies, friction) in enumerate(zip(self._found.motor_torques, self._friction, strict=True)):
@@ -223,14 +224,14 @@ class _Outputs:
             for part, vector in (("f", wrench.force), ("n", wrench.moment)):
                 yield from zip((f"{part}_{j}_{axis}" for axis in AXES), link.tilt * vector, strict=True)
 
-    @_output("N, N m", "what every bearing carries, F_N, F_T and M_B, and what its gear passes on, T")
+    @_output("N, N m", "loads of every bearing, F_N, F_T and M_B, and the torque T that its gear transmits")
     def bearing_loads(self) -> _Results:
         for j, bearing in enumerate(self._found.bearings):
             yield from (
                 (f"{x}_{j}", bearing.loads[load]) for load, x in _LOADS.items() if load in bearing.loads
             )
 
-    @_output("N m", "torque of every motor that holds the weight: inverse_dynamics at rest", moves=False)
+    @_output("N m", "torque of every motor that supports the weight: inverse_dynamics at rest", moves=False)
     def gravity_torque(self) -> Expressions:
         definitions, torques = at_rest(self._found)
         return _expressions(_labelled("G", torques), self._stable(map(_assigned, definitions)))

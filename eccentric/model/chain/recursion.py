@@ -184,7 +184,7 @@ def bearing(
         transmitted = link.sign * force[link.axis]
     unit, what = ("N m", "torque") if link.joint.turns else ("N", "force")
     loads[Load.TRANSMITTED] = steps(
-        f"T_{j}", unit, f"size of the {what} that the drive of joint {j} passes on", sp.Abs(transmitted)
+        f"T_{j}", unit, f"size of the {what} that the drive of joint {j} transmits", sp.Abs(transmitted)
     )
     return Bearing(loads, transmitted)
 

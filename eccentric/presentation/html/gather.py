@@ -365,10 +365,10 @@ def _below(found: Diagnosis) -> Errors | None:
         return None
     axis = found.rig.axis
     name, rmse = (
-        f"below the {below.cut_hz:g} Hz low pass of the {axis.term('angle')}",
+        f"below {below.cut_hz:g} Hz, the cut-off frequency of the {axis.term('angle')}",
         (below.before, below.after),
     )
-    note = "Row by row, a model of ripple above the low pass adds error."
+    note = "Row by row, a model of ripple above the cut-off frequency adds error."
     return Errors(
         name, axis.unit(found.unit), dict(zip(("paper", "extended"), rmse, strict=True)), below.interval, note
     )

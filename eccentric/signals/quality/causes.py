@@ -95,7 +95,8 @@ def _gear(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
         return None
     if "R" in of and not of["R"].near(1.0):
         return None
-    text = f"mu is {logged.mu:.4g} by the rig, and {logged.mu / emf.value:.3g} makes k_e and gravity agree"
+    better = logged.mu / emf.value
+    text = f"mu is {logged.mu:.4g} in the rig file, and {better:.3g} makes k_e and gravity agree"
     return Cause("contradiction", "mu", text, {})
 
 

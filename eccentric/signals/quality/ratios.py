@@ -229,7 +229,7 @@ class Ratio:
         """Make one from the value in the log, its uncertainty, and the value in the rig, in SI."""
         unit = axis.unit(_UNITS[name.removesuffix(" by gravity")])
         called = axis.named(_CALLED.get(name, name))
-        said = text or f"{called} is {found:.3g} {unit} by the log and {given:.3g} by the rig"
+        said = text or f"{called} is {found:.3g} {unit} in the log and {given:.3g} in the rig file"
         return cls(name, found / given, (found - error) / given, (found + error) / given, said, found, unit)
 
     @property
@@ -262,7 +262,7 @@ def electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
         yield replace(Ratio.of("R", r, r_error, rig.known["R"], rig.axis), agrees=limits.WARM)
     elif 0.0 < r + r_error < limits.LEAST_OHM:
         # Against nothing but what windings have: the next larger unit of a current is the only reading.
-        text = f"R is {r:.3g} ohm by the log, less than the windings of such drives have"
+        text = f"R is {r:.3g} ohm in the log, less than the windings of such drives have"
         yield Ratio.of("R", r, r_error, 1e3 * r, rig.axis, text)
     if "k_e" not in rig.known:
         return
@@ -296,19 +296,20 @@ def motor_constant(m: Means, body: RigidBody, drive: str, rig: Rig) -> Iterator[
             return
         e, error = back_emf[1]
         given = rig.known["k_i"]
-        text = f"{k_i} is {e:.3g} {unit} by the voltage (in SI it equals k_e) and {given:.3g} by the rig"
+        text = f"{k_i} is {e:.3g} {unit} from the voltage (in SI it equals k_e)"
+        text += f" and {given:.3g} in the rig file"
         found = Ratio.of("k_i", e, error, given, rig.axis, text)
     elif "k_i" in rig.unknown and drive == "current" and (by_torque := _by_torque(body, rig)):
         k, error, source = by_torque
         if back_emf is not None and is_clear(back_emf[1][0], back_emf[1][1] / limits.SIGMAS):
             e = back_emf[1][0]
-            text = f"{k_i} is {k:.3g} {unit} by {source} and {e:.3g} by the voltage (in SI it equals k_e)"
+            text = f"{k_i} is {k:.3g} {unit} from {source} and {e:.3g} from the voltage (in SI it equals k_e)"
             found = Ratio.of("k_i by gravity", k, error, e, rig.axis, text)
         else:
             low, high = rig.unknown["k_i"]
             # A thousand times as much is in the range: the current is in mA, as far as a range can say it.
             end = 1e3 * k if k < low <= 1e3 * k <= high else low if k < low else high
-            text = f"{k_i} is {k:.3g} {unit} by {source}, outside {low:g} to {high:g} by the rig"
+            text = f"{k_i} is {k:.3g} {unit} from {source}, outside {low:g} to {high:g} of the rig file"
             found = Ratio.of("k_i by gravity", k, error, end, rig.axis, text)
             if low <= k <= high:
                 return
@@ -324,7 +325,7 @@ def constant_by_torque(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]
         k, error, source = by_torque
         given = rig.known["k_i"]
         k_i, unit = rig.axis.named("k_i"), rig.axis.unit("N m/A")
-        text = f"{k_i} is {k:.3g} {unit} by {source} and {given:.3g} by the rig"
+        text = f"{k_i} is {k:.3g} {unit} from {source} and {given:.3g} in the rig file"
         yield Ratio.of("k_i", k, error, given, rig.axis, text)
 
 

@@ -7,7 +7,7 @@ from eccentric.virtual_bench.plant import Motion
 
 
 def stribeck(request: Request) -> PlantedEffect:
-    """Dry friction that falls from break-away to its kinetic level (Stribeck 1902; Bo and Pavelescu 1982)."""
+    """Dry friction that falls from breakaway to its kinetic level (Stribeck 1902; Bo and Pavelescu 1982)."""
     vs, power = request.draw(0.06, 0.14) * request.setting.top_speed, float(request.rng.choice([1.0, 2.0]))
     return request.effect(
         "A exp(-(|w|/vs)^d) sgn w",
