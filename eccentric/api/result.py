@@ -339,16 +339,19 @@ class Printed(ResultBase):
             # Without matplotlib, the figures are left out.
             with suppress(ImportError):
                 from matplotlib import rc_context
+                from matplotlib.backends.backend_agg import FigureCanvasAgg
+                from matplotlib.backends.backend_svg import FigureCanvasSVG
                 from matplotlib.figure import Figure
 
                 # A fixed salt and no date: the same result gives the same file.
                 with rc_context({"svg.hashsalt": "eccentric", "font.size": 9.0}):
                     (rows, columns), size = self._layout()
-                    figure = Figure(figsize=size, layout="constrained")
+                    figure = Figure(figsize=size, dpi=150, layout="constrained")
                     self._draw(list(figure.subplots(rows, columns, sharex=rows > 1, squeeze=False).flat))
-                    figure.savefig(folder / f"{command}.png", dpi=150)
+                    # `savefig` would draw each file twice, the first time for the layout alone.
+                    FigureCanvasAgg(figure).print_png(folder / f"{command}.png")
                     figure.set_layout_engine("none")  # the layout is that of the first file
-                    figure.savefig(folder / f"{command}.svg", dpi=150, metadata={"Date": None})
+                    FigureCanvasSVG(figure).print_svg(folder / f"{command}.svg", metadata={"Date": None})
                 names += [f"{command}.png", f"{command}.svg"]
         return [Path(out) / name for name in names]
 
