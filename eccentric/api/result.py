@@ -39,7 +39,7 @@ from eccentric.emission import (
 )
 from eccentric.identification import Estimate, Fit, Refit
 from eccentric.model import AxisKind, Model
-from eccentric.presentation import NEEDS_MATPLOTLIB, emitted_parameters, left_out_sentence
+from eccentric.presentation import NEEDS_MATPLOTLIB, emitted_parameters
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from eccentric.simulation import Draws, FittedDrive, Predicted, fitted_drive
@@ -92,6 +92,8 @@ def write_emitted(
 
 def _left_out(model: Model) -> tuple[str, ...]:
     """What a compensation of the friction does not contain; nothing if it is the pendulum's gravity alone."""
+    from eccentric.presentation import left_out_sentence  # with it all of `diagnosis` is imported
+
     whole, other = gravity_apart(model)
     return () if other <= 1e-9 * whole else (left_out_sentence(model, whole, other),)
 
