@@ -26,9 +26,6 @@ from eccentric.presentation import (
     fit_document,
     fit_lines,
     plot_fit,
-    refined_document,
-    refined_lines,
-    refined_warnings,
 )
 from eccentric.rigs import read_rig
 from eccentric.signals import FIT_POINTS, read_channels, read_long
@@ -76,8 +73,12 @@ def fit(
         found = refined.fit
     estimates = axis.estimates({**found.coefficients, **found.searched})
     document = fit_document(found, names)
-    values = read_parameters(document).values
+    values, lines = read_parameters(document).values, fit_lines(found, names)
     if refined is not None:
+        # With them all of `diagnosis` is imported.
+        from eccentric.presentation import refined_document, refined_lines, refined_warnings
+
+        lines = refined_lines(refined, axis) + lines
         warnings = [*document["warnings"], *refined_warnings(refined, axis)]
         document |= {"simulated": refined_document(refined), "warnings": warnings}
     return FitResult(
@@ -94,7 +95,7 @@ def fit(
         improvement=found.percent,
         improvement_interval=found.percent_interval,
         warnings=tuple(document["warnings"]),
-        lines=tuple(refined_lines(refined, axis) + fit_lines(found, names)),
+        lines=tuple(lines),
         comparison=compare(found),
         document=document,
     )

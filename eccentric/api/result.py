@@ -39,7 +39,7 @@ from eccentric.emission import (
 )
 from eccentric.identification import Estimate, Fit, Refit
 from eccentric.model import AxisKind, Model
-from eccentric.presentation import NEEDS_MATPLOTLIB, emitted_parameters, left_out_sentence
+from eccentric.presentation import NEEDS_MATPLOTLIB, emitted_parameters
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from eccentric.simulation import Draws, FittedDrive, Predicted, fitted_drive
@@ -92,6 +92,8 @@ def write_emitted(
 
 def _left_out(model: Model) -> tuple[str, ...]:
     """What a compensation of the friction does not contain; nothing if it is the pendulum's gravity alone."""
+    from eccentric.presentation import left_out_sentence  # with it all of `diagnosis` is imported
+
     whole, other = gravity_apart(model)
     return () if other <= 1e-9 * whole else (left_out_sentence(model, whole, other),)
 
@@ -339,16 +341,19 @@ class Printed(ResultBase):
             # Without matplotlib, the figures are left out.
             with suppress(ImportError):
                 from matplotlib import rc_context
+                from matplotlib.backends.backend_agg import FigureCanvasAgg
+                from matplotlib.backends.backend_svg import FigureCanvasSVG
                 from matplotlib.figure import Figure
 
                 # A fixed salt and no date: the same result gives the same file.
                 with rc_context({"svg.hashsalt": "eccentric", "font.size": 9.0}):
                     (rows, columns), size = self._layout()
-                    figure = Figure(figsize=size, layout="constrained")
+                    figure = Figure(figsize=size, dpi=150, layout="constrained")
                     self._draw(list(figure.subplots(rows, columns, sharex=rows > 1, squeeze=False).flat))
-                    figure.savefig(folder / f"{command}.png", dpi=150)
+                    # `savefig` would draw each file twice, the first time for the layout alone.
+                    FigureCanvasAgg(figure).print_png(folder / f"{command}.png")
                     figure.set_layout_engine("none")  # the layout is that of the first file
-                    figure.savefig(folder / f"{command}.svg", dpi=150, metadata={"Date": None})
+                    FigureCanvasSVG(figure).print_svg(folder / f"{command}.svg", metadata={"Date": None})
                 names += [f"{command}.png", f"{command}.svg"]
         return [Path(out) / name for name in names]
 

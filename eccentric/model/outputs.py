@@ -31,24 +31,35 @@ from eccentric.model.steps import (
     SquareDifference,
 )
 
-# By identity: a model is immutable, and has no hash. It is kept, so its id stays unique.
+# By identity: a model is immutable, and has no hash. It is kept, so its ids stay unique.
 _KEPT = 32
-_interfaces: dict[int, tuple[Model, Interface]] = {}
+_interfaces: dict[tuple[object, ...], tuple[Model, Interface]] = {}
 
 
 def interface_of(model: Model) -> Interface:
     """The outputs of a model: those that it declares, else those of one drive. The last 32 are cached.
 
+    Models of one drive that differ in name, title and values alone have the same one.
+
     Raises:
         InputError: the model lacks something that they require.
     """
-    kept = _interfaces.get(id(model))
+    key = (id(model),) if model.declares is not None else _structure(model)
+    kept = _interfaces.get(key)
     if kept is None:
         kept = model, drive_interface(model) if model.declares is None else model.declares(model)
         if len(_interfaces) >= _KEPT:
             _interfaces.pop(next(iter(_interfaces)), None)
-        _interfaces[id(model)] = kept
+        _interfaces[key] = kept
     return kept[1]
+
+
+def _structure(model: Model) -> tuple[object, ...]:
+    """All that `drive_interface` takes from a model; `replace` keeps the parts that it does not change."""
+    parts = model.inputs, model.definitions, model.balances, model.equations, model.states, model.extensions
+    known = model.back_emf_in_friction, model.current_known, model.voltage_known, model.torque_unit
+    parameters = ((q.symbol, q.name, q.unit, q.default is None) for q in model.parameters)
+    return (*map(id, (*parts, model.axis)), *known, *parameters)
 
 
 # Friction in one direction: its limit at standstill, and its polynomial in the velocity.

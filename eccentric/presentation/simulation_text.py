@@ -98,10 +98,8 @@ def refined_document(found: Refined) -> dict[str, Any]:
     }
 
 
-def refined_lines(found: Refined | None, axis: AxisKind) -> list[str]:
-    """The same in a line for a terminal; none without a refinement."""
-    if found is None:
-        return []
+def refined_lines(found: Refined, axis: AxisKind) -> list[str]:
+    """The same in a line for a terminal."""
     over = (
         "whole runs with the controller" if found.horizon_s is None else f"windows of {found.horizon_s:g} s"
     )

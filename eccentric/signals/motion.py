@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import median_filter
 
 from eccentric.core import InputError
@@ -249,7 +248,7 @@ def speed_factor(t: Array, theta: Array, omega: Array, segment: Integers) -> tup
     for rows in rows_of_each(segment):
         if len(rows) > limits.COMPARED_ROWS:
             span = max(limits.COMPARED_ROWS, round(limits.COMPARED_S / float(np.median(np.diff(t[rows])))))
-            integral = cumulative_trapezoid(omega[rows], t[rows], initial=0.0)
+            integral = _turned(omega[rows], t[rows])
             rise.append(theta[rows][span:] - theta[rows][:-span])
             told.append(integral[span:] - integral[:-span])
     x, y = (np.concatenate([np.zeros(0), *parts]) for parts in (rise, told))
@@ -359,11 +358,16 @@ def _by_line(table: Table, rig: Rig, omega: Array) -> tuple[Array, list[str]]:
     return theta, [f"{text}; sample_rate_hz = {1.0 / float(np.median(np.diff(t))) / ratio:.4g}?"]
 
 
+def _turned(omega: Array, t: Array) -> Array:
+    """The integral of the speed from the first row on, by trapezoids; `scipy.integrate` is slow to import."""
+    return np.concatenate([[0.0], np.cumsum(np.diff(t) * (omega[1:] + omega[:-1]) / 2.0)])
+
+
 def _integral(table: Table, omega: Array | None, axis: AxisKind) -> tuple[Array, list[str]]:
     if omega is None:
         raise AssertionError("read_table requires an angle or a speed")
     t = table.channels["time"]
-    theta = joined(table.run, lambda rows: cumulative_trapezoid(omega[rows], t[rows], initial=0.0))
+    theta = joined(table.run, lambda rows: _turned(omega[rows], t[rows]))
     angle = axis.term("angle")
     warnings = [f"no {angle} is logged: it is the integral of the speed, from 0 at the start of each run"]
     if stretches(t, table.run)[-1] > table.run[-1]:

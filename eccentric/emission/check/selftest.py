@@ -261,7 +261,9 @@ def _stream(centres: np.ndarray, spans: np.ndarray, section: int, stride: int) -
     columns = []
     for k in range(spans.shape[1]):
         unit, word = _drawn(k, spans.dtype, section, stride)
-        centre, span = (np.resize(table[:, k], len(unit)) for table in (centres, spans))
+        # Not by `resize`, which joins as many arrays.
+        copies = -(-len(unit) // len(spans))
+        centre, span = (np.tile(table[:, k], copies)[: len(unit)] for table in (centres, spans))
         columns.append(np.where(span == 0, word, centre + unit * span))
     return columns
 

@@ -35,6 +35,7 @@ from eccentric.model import (
     Forward,
     Gated,
     Input,
+    Interface,
     Model,
     Output,
     Quantity,
@@ -350,6 +351,9 @@ def _for_any_step(output: Output) -> tuple[Output, Expressions]:
     return kept, replace(given, results=results, definitions=(_ELAPSED, *definitions))
 
 
+_Lowered = tuple[Prepare, tuple[Helper, ...], list[Expressions], tuple[Routine, ...]]
+
+
 def build_program(model: Model, choice: Choice = WHOLE) -> Program:
     """The Program of a model: the outputs that it declares, ready to print.
 
@@ -357,13 +361,8 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         InputError: a quantity has the name of a value that the code computes; there is no function of a
             chosen name, or none that depends on a parameter; or fixed ones that they need are not given.
     """
-    shared = Prepare(model)
-    half_turns = HalfTurns(shared)
     interface = interface_of(model)
-    given = [_for_any_step(output) for output in choice.of(interface.outputs)]
-    routines = tuple(_routine(model, *one, shared, half_turns) for one in given)
-    called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
-    helpers = tuple(h for h in half_turns.helpers if sp.Symbol(h.name) in called)
+    shared, helpers, outputs, routines = _routines(model, interface, choice)
     names, labels = [r.name for r in routines], {r.name: r.labels for r in routines}
     listed = [(name, labels[of]) for name, of in interface.constants.items() if of in labels]
     program = Program(
@@ -373,7 +372,7 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         prepare=shortened(shared.assignments),
         coefficients=_used((*helpers, *routines), shared),
         routines=routines,
-        constants=(*listed, *(constant for _, one in given for constant in one.constants)),
+        constants=(*listed, *(constant for one in outputs for constant in one.constants)),
         notes=notes(model, shared),
         states=tuple((state.quantity, state.initial) for state in model.states),
         defaults=model.defaults or _origin_of_defaults(model),
@@ -406,6 +405,27 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
             " parameters, or choose functions that need none of them",
         )
     return program
+
+
+# By identity, as the interface: models that differ in their values alone have the same routines.
+_KEPT = 8
+_lowered: dict[tuple[int, Choice], tuple[Interface, _Lowered]] = {}
+
+
+def _routines(model: Model, interface: Interface, choice: Choice) -> _Lowered:
+    """What `prepare` computes, the helpers, and the outputs with their routines; the last 8 are cached."""
+    key = id(interface), choice
+    if key not in _lowered:
+        shared = Prepare(model)
+        half_turns = HalfTurns(shared)
+        given = [_for_any_step(output) for output in choice.of(interface.outputs)]
+        routines = tuple(_routine(model, *one, shared, half_turns) for one in given)
+        called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
+        helpers = tuple(h for h in half_turns.helpers if sp.Symbol(h.name) in called)
+        if len(_lowered) >= _KEPT:
+            _lowered.pop(next(iter(_lowered)), None)
+        _lowered[key] = interface, (shared, helpers, [one for _, one in given], routines)
+    return _lowered[key][1]
 
 
 def _origin_of_defaults(model: Model) -> str:
