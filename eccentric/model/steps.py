@@ -19,11 +19,6 @@ from sympy.core.function import ArgumentIndexError
 
 ZERO, ONE = sp.Integer(0), sp.Integer(1)
 
-# SymPy compares the arguments of a Max or Min whenever one is made or something in it is replaced, by
-# factoring their difference; unlike results of its other pure functions it does not keep the answer.
-for _extreme in (sp.Max, sp.Min):
-    _extreme._is_connected = lru_cache(maxsize=1000)(_extreme._is_connected)  # noqa: SLF001
-
 
 class OpaqueStep(sp.Function):
     """Base of the opaque steps: real, and never evaluated by SymPy.
