@@ -26,6 +26,7 @@ from eccentric.drafting.columns import Grid, LoggedColumn, Pair, grid_of, pairs_
 from eccentric.drafting.drives import (
     CONSTANT,
     KINDS,
+    SET,
     UNSIGNED,
     coasts,
     find_drives,
@@ -37,7 +38,7 @@ from eccentric.drafting.others import find_flags, find_slow, find_voltage
 from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.questions import added_asked, entries_of, facts_of, line_asked, one_way, turns_asked
 from eccentric.drafting.units import SECONDS, Clock, Reading, Shown, opened_to_draft, readings
-from eccentric.drafting.words import Name, is_mass, of_a_carriage
+from eccentric.drafting.words import Name, is_mass, is_of_motor, is_of_supply, of_a_carriage
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
 
@@ -91,7 +92,16 @@ class Draft:
         return tuple(entry for entry in self.entries if entry.asked)
 
 
-_RATIO = {"duty": "a duty cycle: the voltage is logged", "supply": "supply voltage"}
+def _beside(name: Name) -> str:
+    """Why a column is no drive: a duty cycle, or of the supply; "" for others."""
+    if name.quantity == "duty":
+        return "a duty cycle: the voltage is logged"
+    if name.quantity == "supply":
+        return OF_SUPPLY if is_of_supply(name) else "supply voltage"
+    return ""
+
+
+OF_SUPPLY = "the current of the supply, which is not that of the motor"
 
 
 def draft_of(log: Log) -> Draft:
@@ -119,7 +129,7 @@ def draft_of(log: Log) -> Draft:
         )
         raise InputError(log.path, f"at least {limits.SLOWEST_HZ:g} rows a second", said)
     flags = [c for c in left.values() if c.is_flag]
-    ratio = {c.text: _RATIO[c.name.quantity] for c in left.values() if c.name.quantity in _RATIO}
+    ratio = {c.text: why for c in left.values() if (why := _beside(c.name))}
     joint = joint_of({n: c for n, c in left.items() if n not in ratio}, grid)
     temperature, supply = find_slow([c for n, c in left.items() if n not in joint.others])
     voltage = find_voltage(list(left.values()), supply)
@@ -148,7 +158,7 @@ def draft_of(log: Log) -> Draft:
     rest, of_none = joint.of_its_own([*rest, *constant])
     drives, balances, others = find_drives(grid, motion, rest, lasting=angle is not None)
     left_out |= of_none | others
-    drives = _beside_sensor(drives, [left[n] for n in of_none])
+    drives = _beside_supply(_beside_sensor(drives, [left[n] for n in of_none]), supply, left)
     drives, balances = _with_duty(drives, balances, voltage, grid, motion, left, lasting=angle is not None)
     if not drives and not any(c is not None and c.name.quantity for c in (angle, speed)):
         raise InputError(
@@ -201,12 +211,18 @@ def draft_of(log: Log) -> Draft:
         ]
     if not drives:
         why = "expected a current, a torque or a voltage, and no column follows the motion as one does"
+        near = [
+            f"{n}: {why}" for n, why in left_out.items() if why in (OF_SUPPLY, SET) and left[n].varies > 0.0
+        ]
+        why = "; ".join([why, *near[:3]])
         line = RigLine("columns", "current", '"its column"', why, asked=True, needed=True)
         if coasts(motion):
             why = "a coast-down, if nothing drove it; without J_m and J_l it shows friction over inertia"
             line = RigLine("", "drive", '"none"', "", why)
         entries = [line, *entries]
     by_run = [left[n] for n, why in left_out.items() if why == _BY_RUN and is_mass(left[n].name.unit)]
+    if run is not None and run.column in columns and is_mass(columns[run.column].name.unit):
+        by_run = [columns[run.column]]
     if run is not None and by_run and not carried:
         names = texts[run.column] if run.column in texts else columns[run.column].values
         entries += added_asked(names.tolist(), by_run[0])
@@ -404,6 +420,21 @@ def _beside_sensor(drives: list[Proposal], of_no_joint: Sequence[LoggedColumn]) 
     return [drives[0].doubted(said), *drives[1:]]
 
 
+def _beside_supply(
+    drives: list[Proposal], supply: LoggedColumn | None, left: Mapping[str, LoggedColumn]
+) -> list[Proposal]:
+    """The drives, with a doubt at a current that may be the supply's, whose voltage is logged."""
+    steady = (c for c in left.values() if c.name.quantity == "voltage" and c.varies <= limits.SUPPLY)
+    supply = supply or next(steady, None)
+    if supply is None:
+        return drives
+    said = f"beside {supply.text}, of a supply: is it the supply's current? That is not the motor's"
+    return [
+        p.doubted(said) if p.channel == "current" and not is_of_motor(left[p.source].name) else p
+        for p in drives
+    ]
+
+
 def _moves_too(
     others: Sequence[LoggedColumn], angle: LoggedColumn | None, speed: LoggedColumn | None, grid: Grid
 ) -> str:
@@ -479,8 +510,21 @@ def _channels(
         if column.name.quantity == what:
             said.insert(0, f"{what} by its name")
         doubts = [doubt] if doubt else []
-        if column.name.role == "electrical":
-            doubts.append("electrical, by its name: divide it by the pole pairs of the motor")
+        if given.speed is not None and given.speed.name.role == "electrical":
+            doubts.append(
+                ELECTRICAL if what == "speed" else f"counts per turn by {given.speed.text}: {ELECTRICAL}"
+            )
+        if column.name.maker:
+            doubts.append(f"turns, as {column.name.maker} logs them: only the name says so")
+        if (
+            what == "angle"
+            and unit == "counts"
+            and given.wrap in limits.COUNTERS
+            and not _is_turn(best, given)
+        ):
+            doubts.append(
+                f"a counter of {math.log2(given.wrap):g} bits restarts there as well: is it one turn?"
+            )
         if sure < limits.SURE:
             others = _others(found, what, unit)
             turn = (
@@ -505,6 +549,16 @@ def _channels(
             Proposal(channel, column.text, unit, tuple(said), sure, "; ".join(doubts), by_gravity=by_gravity)
         )
     return proposals
+
+
+ELECTRICAL = "electrical, by its name: divide it by the pole pairs of the motor"
+
+
+def _is_turn(best: Reading, given: Shown) -> bool:
+    """Whether gravity or a speed in a unit confirms that a wrap of the angle is a turn."""
+    return abs(best.gear - 1.0) < limits.SAME_SHAFT or (
+        given.speed is not None and bool(given.speed.name.unit)
+    )
 
 
 def _alike(reading: Reading, best: Reading, unit: str) -> bool:

@@ -46,8 +46,8 @@ def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[Rig
         by_gravity = not given.wrap and not given.factor
         doubt = SHORT if by_gravity and balance is not None and balance.turns < 1.0 else ""
         return [RigLine("", key, f"{best.counts:g}", why, doubt, guessed=bool(doubt))]
-    unit = {"rad": 1.0, "deg": TURN / 360.0, "rev": TURN, "mrad": 1e-3}[best.angle]
     if given.step:
+        unit = parse_unit(best.angle, "").factor
         counts = TURN / (given.step * unit)
         if 90.0 < counts < 2e7 and (nice := nice_counts(counts, 2e-3)):
             why = f"the smallest step of the angle, {given.step:.6g} {best.angle}"
