@@ -35,8 +35,8 @@ _WORDS = {
     "torque": "tau torque torq moment trq drehmoment tq mot_torque force kraft thrust couple coppia"
     " koppel tork qfrc 토크 转矩 扭矩 力矩 トルク момент τ",
     "temperature": "temp temperature temperatures temperatur temperatura celsius tmot 温度 температура",
-    "supply": "supply psu vsupply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis mains mainvoltage"
-    " batterycurrent sourcecurrent linecurrent buscurrent supplycurrent psucurrent"
+    "supply": "supply psu vsupply bus vbus vdc battery vbat batt dclink vin ubat zwischenkreis mains"
+    " mainvoltage batterycurrent sourcecurrent linecurrent buscurrent supplycurrent psucurrent"
     " dccurrent ubus ibus idc udc inputvoltage voltagein inputcurrent currentin",
     "duty": "pwm duty dutycycle motorpwm",
     "direction": "direction dir drehrichtung richtung sign cw ccw clockwise",

@@ -74,6 +74,6 @@ def _labels(line: str) -> Iterator[tuple[str, str]]:
 
 
 def _split(between: str) -> tuple[str, str]:
-    """The unit of a number and the next label: a comma or the like is between, or no blank before the unit."""
+    """The unit of a number and the next label: a comma or the like is between, or no blank is before."""
     apart = re.match(r"\s*([^\s,;|]*)\s*[,;|\t]", between) or re.match(r"([A-Za-z°µμΩ%]\S*)\s", between)
     return (apart[1], between[apart.end() :]) if apart else ("", between)
