@@ -183,10 +183,11 @@ def _of_records(items: Sequence[Mapping[str, Any]], name: str, depth: int) -> It
     for key in dict.fromkeys(key for item in items for key in item):
         values = [item.get(key) for item in items]
         full = f"{name}.{key}" if name else key
+        nested = [value for value in values if isinstance(value, dict)]
         if all(map(_is_scalar, values)):
             yield full, column_of(values)
-        elif len(items) >= limits.SHORTEST_VECTOR and all(isinstance(v, dict) for v in values):
-            yield from _of_records(values, full, depth + 1)
+        elif len(nested) == len(items) >= limits.SHORTEST_VECTOR and depth < limits.DEEPEST_STRUCTURE:
+            yield from _of_records(nested, full, depth + 1)
         elif len(items) >= limits.SHORTEST_VECTOR and (matrix := _matrix(values)) is not None:
             yield from _of_array(matrix, full)
         elif len(items) > limits.MOST_PARTS:
