@@ -201,7 +201,7 @@ def test_turns_by_the_names_of_their_controller(draft: Callable[..., RigDraft]) 
 
     for found in (odrive, moteus):
         assert ("rev", "rev/s") == (found["theta_m"][1], found["omega_m"][1])
-        assert all("turns, as" in found[channel][2] for channel in ("theta_m", "omega_m"))
+        assert all("s unit)" in found[channel][2] for channel in ("theta_m", "omega_m"))
 
 
 def test_turns_without_a_unit_are_a_doubt(draft: Callable[..., RigDraft]) -> None:
@@ -223,8 +223,8 @@ def test_the_current_of_a_supply_is_no_drive(draft: Callable[..., RigDraft]) -> 
     assert "phase_current" == proposed(bus)["current"][0]
     assert "current" not in proposed(alone)
     assert "bus_current: the current of the supply" in alone.text
-    assert "is it the supply's current?" in proposed(unnamed)["current"][2]
-    assert "supply" not in proposed(motor)["current"][2]
+    assert "the current of the supply" in proposed(unnamed)["current"][2]
+    assert "of the supply" not in proposed(motor)["current"][2]
 
 
 def test_counts_by_an_electrical_speed_are_electrical(draft: Callable[..., RigDraft]) -> None:
@@ -241,16 +241,16 @@ def test_a_counter_that_overflows_may_be_no_turn(draft: Callable[..., RigDraft])
     wide = draft(t=T, encoder=np.round(Q / TURN * 50000) % 65536 - 32768, current=CURRENT)
     turn = draft(t=T, encoder=np.round(Q / TURN * 4096) % 4096, current=CURRENT)
 
-    assert "a counter of 16 bits" in proposed(wide)["theta_m"][2]
-    assert "counter" not in proposed(turn)["theta_m"][2]
+    assert "16-bit overflow" in proposed(wide)["theta_m"][2]
+    assert "overflow" not in proposed(turn)["theta_m"][2]
 
 
 def test_a_clipped_drive_is_a_doubt(draft: Callable[..., RigDraft]) -> None:
     """Many rows at the ends of its range."""
     clipped = draft(t=T, theta=Q, current=np.clip(CURRENT, -1.0, 1.0))
 
-    assert "is it clipped?" in proposed(clipped)["current"][2]
-    assert "is it clipped?" not in proposed(draft(t=T, theta=Q, current=CURRENT))["current"][2]
+    assert "clipped in" in proposed(clipped)["current"][2]
+    assert "clipped in" not in proposed(draft(t=T, theta=Q, current=CURRENT))["current"][2]
 
 
 def test_a_column_of_masses_names_the_runs(draft: Callable[..., RigDraft]) -> None:

@@ -428,7 +428,7 @@ def _beside_supply(
     supply = supply or next(steady, None)
     if supply is None:
         return drives
-    said = f"beside {supply.text}, of a supply: is it the supply's current? That is not the motor's"
+    said = f"beside {supply.text}: {OF_SUPPLY}?"
     return [
         p.doubted(said) if p.channel == "current" and not is_of_motor(left[p.source].name) else p
         for p in drives
@@ -511,20 +511,16 @@ def _channels(
             said.insert(0, f"{what} by its name")
         doubts = [doubt] if doubt else []
         if given.speed is not None and given.speed.name.role == "electrical":
-            doubts.append(
-                ELECTRICAL if what == "speed" else f"counts per turn by {given.speed.text}: {ELECTRICAL}"
-            )
+            doubts.append(ELECTRICAL if what == "speed" else f"by {given.speed.text}: {ELECTRICAL}")
         if column.name.maker:
-            doubts.append(f"turns, as {column.name.maker} logs them: only the name says so")
+            doubts.append(f"turns ({column.name.maker}'s unit): check")
         if (
             what == "angle"
             and unit == "counts"
             and given.wrap in limits.COUNTERS
             and not _is_turn(best, given)
         ):
-            doubts.append(
-                f"a counter of {math.log2(given.wrap):g} bits restarts there as well: is it one turn?"
-            )
+            doubts.append(f"turn or {math.log2(given.wrap):g}-bit overflow?")
         if sure < limits.SURE:
             others = _others(found, what, unit)
             turn = (

@@ -386,7 +386,7 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
     levels, values = one.column.levels, one.column.values
     clipped = float(np.mean((values == levels[0]) | (values == levels[-1])))
     if len(levels) > limits.FEW_VALUES and clipped > limits.CLIPPED:
-        doubts.append(f"{100 * clipped:.0f} % of the rows are at its ends: is it clipped?")
+        doubts.append(f"clipped in {100 * clipped:.0f} % of rows?")
     if name.word == "effort":
         doubts.append("an effort may be a torque, a current or a voltage: what the drive's driver says")
     if without_sign(one.column, motion):

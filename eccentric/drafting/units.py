@@ -475,7 +475,7 @@ _SYMBOL = re.compile(
 
 
 def _source(name: Name) -> str:
-    return f"the names of {name.maker}" if name.maker else "its name"
+    return f"{name.maker}'s names" if name.maker else "its name"
 
 
 def _follows(given: Shown, angle: str, speed: str) -> bool:

@@ -292,20 +292,24 @@ def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
         if error.object[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
             return text_of(path, "utf-16"), ()
         if text := _in_words(path, "cp932", _JAPANESE):
-            return text, ("read as Shift JIS, since it is no UTF-8",)
+            return text, _read_as("Shift JIS")
         with suppress(UnicodeDecodeError):
             # Of two bytes above 0xA0 each, and of the usual Chinese characters: no text in Latin-1 is.
             text = text_of(path, "gb2312")
             # Nor is a text of signs such as two micros, which would be one of them.
             signs = {byte for byte in error.object if byte > 0x7F} <= {*"°±²³µ·".encode("latin-1")}
             if not signs and all(c.isascii() or c.encode("gb2312") < b"\xd8" for c in set(text)):
-                return text, ("read as GB 2312, since it is no UTF-8",)
+                return text, _read_as("GB 2312")
         if text := _in_words(path, "cp1251", _CYRILLIC):
-            return text, ("read as Windows-1251, since it is no UTF-8",)
+            return text, _read_as("Windows-1251")
         text = text_of(path, "cp1252")  # raises where Latin-1 of Windows has no character
         if _NO_TEXT.search(text):
             raise
-        return text, ("read as Latin-1, since it is no UTF-8",)
+        return text, _read_as("Latin-1")
+
+
+def _read_as(encoding: str) -> tuple[str]:
+    return (f"read as {encoding}, since it is no UTF-8",)
 
 
 _JAPANESE = re.compile(r"[\u3040-\u30ff\u4e00-\u9fff\uff00-\uff60]{2,}")

@@ -41,13 +41,13 @@ def of_labels(lines: Sequence[str]) -> Read | None:
     values = list(zip(*([cell for _, cell in row] for _, row in rows), strict=True))
     columns: dict[str, Column] = {}
     units: dict[str, str] = {}
-    notes = [f"left out, {counted(others, 'line')} without these labels"] if others else []
+    notes = [f"left out, unlabelled: {counted(others, 'line')}"] if others else []
     for name, cells, sign in zip(names, values, signs_of(values, ";"), strict=True):
         columns[name], unit, note = cells_to_column(name, cells, sign)
         notes += [note] if note else []
         units |= {name: unit} if unit else {}
     lines_of = np.array([k for k, _ in rows], dtype=np.int64)
-    return Read(columns, lines_of, tuple(notes), units, ("columns by the labels in each line",))
+    return Read(columns, lines_of, tuple(notes), units, ("labelled lines",))
 
 
 def _parts(line: str) -> list[tuple[str, str]]:
