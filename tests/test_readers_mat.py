@@ -76,12 +76,12 @@ def test_mat_variables_of_other_lengths_are_named(tmp_path: Path) -> None:
 
 
 def test_mat_names_that_repeat_are_told_apart(tmp_path: Path) -> None:
-    """Structures with fields of one name, also in a structure array, go by their full names."""
+    """Structures with fields of one name go by their full names, signals of a scope by their labels."""
     both = mat_log(tmp_path, {"a": {"t": T, "i": T}, "b": {"t": 2.0 * T}})
     assert sorted(both.columns) == ["a.t", "b.t", "i"]
     signals = np.array([(T, "u"), (-T, "i")], dtype=[("values", object), ("label", object)])
     scope = mat_log(tmp_path, {"scope": {"time": T, "signals": signals}})
-    np.testing.assert_array_equal(scope.numbers("scope.signals(2).values"), -T)
+    np.testing.assert_array_equal(scope.numbers("i"), -T)
     np.testing.assert_array_equal(scope.numbers("time"), T)
     rows = mat_log(tmp_path, {"s": np.array([(0.0, 5), (0.1, 6)], dtype=[("t", float), ("i", int)])})
     assert columns(rows) == {"t": [0.0, 0.1], "i": [5.0, 6.0]}
@@ -255,8 +255,8 @@ def test_mat_7_3_gives_what_version_5_gives(hdf5: Any) -> None:
         "m(:,2)": [0.0, 3.0, 6.0, 9.0],
         "mode": ["up", "up", "down", "down"],
         "grade": ["a", "b", "c", "d"],
-        "signals(1).values": T.tolist(),
-        "signals(2).values": (-T).tolist(),
+        "u": T.tolist(),
+        "i": (-T).tolist(),
         "rate": [250.0] * 4,
         "who": ["me"] * 4,
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,7 +13,7 @@ from scipy.signal import savgol_filter
 
 from eccentric.core import InputError
 from eccentric.drafting.limits import COMPARED, DERIVATIVE, ROUGHLY, SMOOTH_ROWS, SMOOTH_S, WRAP
-from eccentric.drafting.words import Name, read_name
+from eccentric.drafting.words import Name, made_by, read_name
 from eccentric.logs import Log
 
 Array = NDArray[np.float64]
@@ -66,6 +66,7 @@ class LoggedColumn:
 
 def columns_of(log: Log, rows: slice) -> tuple[dict[str, LoggedColumn], dict[str, NDArray[np.str_]]]:
     """The columns of numbers and those of text, by name; one without any number is left out."""
+    made = made_by(log.columns)
     numbers: dict[str, LoggedColumn] = {}
     texts: dict[str, NDArray[np.str_]] = {}
     for name in log.columns:
@@ -82,7 +83,10 @@ def columns_of(log: Log, rows: slice) -> tuple[dict[str, LoggedColumn], dict[str
         if not np.all(there):
             at = np.arange(len(values))
             values = np.interp(at, at[there], values[there])
-        numbers[name] = LoggedColumn(read_name(name, log.units.get(name, "")), values)
+        said = read_name(name, log.units.get(name, ""))
+        if name in made and not said.unit:
+            said = replace(said, unit=made[name][0], maker=made[name][1])
+        numbers[name] = LoggedColumn(said, values)
     return numbers, texts
 
 

@@ -26,6 +26,7 @@ from eccentric.drafting.columns import Grid, LoggedColumn, Pair, grid_of, pairs_
 from eccentric.drafting.drives import (
     CONSTANT,
     KINDS,
+    SET,
     UNSIGNED,
     bounces,
     coasts,
@@ -35,10 +36,10 @@ from eccentric.drafting.drives import (
 )
 from eccentric.drafting.joints import joint_called, joint_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
-from eccentric.drafting.proposal import Proposal, RigLine, quoted
+from eccentric.drafting.proposal import BY_SIZE, Proposal, RigLine, quoted
 from eccentric.drafting.questions import added_asked, entries_of, facts_of, line_asked, one_way, turns_asked
 from eccentric.drafting.units import REGISTER, SECONDS, Clock, Reading, Shown, opened_to_draft, readings
-from eccentric.drafting.words import Name, is_mass, of_a_carriage
+from eccentric.drafting.words import Name, is_mass, is_of_motor, is_of_supply, of_a_carriage
 from eccentric.logs import Log, number_of
 from eccentric.model import LINEAR, TURNING, AxisKind
 
@@ -95,7 +96,18 @@ class Draft:
 _UNSIGNED_SPEED = (
     "never negative, without slowing down to zero: if the shaft turns both ways, its sign is missing"
 )
-_RATIO = {"duty": "a duty cycle: the voltage is logged", "supply": "supply voltage"}
+
+
+def _beside(name: Name) -> str:
+    """Why a column is no drive: a duty cycle, or of the supply; "" for others."""
+    if name.quantity == "duty":
+        return "a duty cycle: the voltage is logged"
+    if name.quantity == "supply":
+        return OF_SUPPLY if is_of_supply(name) else "supply voltage"
+    return ""
+
+
+OF_SUPPLY = "the current of the supply, which is not that of the motor"
 
 
 def draft_of(log: Log) -> Draft:
@@ -123,7 +135,7 @@ def draft_of(log: Log) -> Draft:
         )
         raise InputError(log.path, f"at least {limits.SLOWEST_HZ:g} rows/s", said)
     flags = [c for c in left.values() if c.is_flag]
-    ratio = {c.text: _RATIO[c.name.quantity] for c in left.values() if c.name.quantity in _RATIO}
+    ratio = {c.text: why for c in left.values() if (why := _beside(c.name))}
     joint = joint_of({n: c for n, c in left.items() if n not in ratio}, grid)
     temperature, supply = find_slow([c for n, c in left.items() if n not in joint.others])
     voltage = find_voltage(list(left.values()), supply)
@@ -154,7 +166,7 @@ def draft_of(log: Log) -> Draft:
     rest, of_none = joint.of_its_own([*rest, *constant])
     drives, balances, others = find_drives(grid, motion, rest, lasting=angle is not None)
     left_out |= of_none | others
-    drives = _beside_sensor(drives, [left[n] for n in of_none])
+    drives = _beside_supply(_beside_sensor(drives, [left[n] for n in of_none]), supply, left)
     drives, balances = _with_duty(drives, balances, voltage, grid, motion, left, lasting=angle is not None)
     if not drives and not any(c is not None and c.name.quantity for c in (angle, speed)):
         raise InputError(
@@ -207,12 +219,18 @@ def draft_of(log: Log) -> Draft:
         ]
     if not drives:
         why = "expected a current, a torque or a voltage, and no column follows the motion as one does"
+        near = [
+            f"{n}: {why}" for n, why in left_out.items() if why in (OF_SUPPLY, SET) and left[n].varies > 0.0
+        ]
+        why = "; ".join([why, *near[:3]])
         line = RigLine("columns", "current", '"its column"', why, asked=True, needed=True)
         if coasts(motion):
             why = "a coast-down, if nothing drove it; without J_m and J_l it shows friction over inertia"
             line = RigLine("", "drive", '"none"', "", why)
         entries = [line, *entries]
     by_run = [left[n] for n, why in left_out.items() if why == _BY_RUN and is_mass(left[n].name.unit)]
+    if run is not None and run.column in columns and is_mass(columns[run.column].name.unit):
+        by_run = [columns[run.column]]
     if run is not None and by_run and not carried:
         names = texts[run.column] if run.column in texts else columns[run.column].values
         entries += added_asked(names.tolist(), by_run[0])
@@ -411,6 +429,21 @@ def _beside_sensor(drives: list[Proposal], of_no_joint: Sequence[LoggedColumn]) 
     return [drives[0].doubted(said), *drives[1:]]
 
 
+def _beside_supply(
+    drives: list[Proposal], supply: LoggedColumn | None, left: Mapping[str, LoggedColumn]
+) -> list[Proposal]:
+    """The drives, with a doubt at a current that may be the supply's, whose voltage is logged."""
+    steady = (c for c in left.values() if c.name.quantity == "voltage" and c.varies <= limits.SUPPLY)
+    supply = supply or next(steady, None)
+    if supply is None:
+        return drives
+    said = f"beside {supply.text}: {OF_SUPPLY}?"
+    return [
+        p.doubted(said) if p.channel == "current" and not is_of_motor(left[p.source].name) else p
+        for p in drives
+    ]
+
+
 def _moves_too(
     others: Sequence[LoggedColumn], angle: LoggedColumn | None, speed: LoggedColumn | None, grid: Grid
 ) -> str:
@@ -488,23 +521,28 @@ def _channels(
             said.insert(0, f"{what} by its name")
         doubts = [doubt] if doubt else []
         if column.name.role == "electrical":
-            doubts.append("electrical, by its name: divide it by the pole pairs of the motor")
-        if sure < limits.SURE:
-            others = _others(found, what, unit)
-            turn = (
-                {f"{r.counts:.6g}" for r in found if r.weight > 0.02 and r.counts}
-                if unit == "counts"
-                else set()
-            )
-            said_others = [
-                *others,
-                *([f"{' or '.join(sorted(turn))} counts per turn"] if len(turn) > 1 else []),
-            ]
-            doubts.append(
-                f"could also be {' or '.join(said_others)}" if said_others else "unit only from its size"
-            )
-        elif not shown:
-            doubts.append(f"{unit} only from its size")
+            doubts.append(ELECTRICAL)
+        elif given.speed is not None and given.speed.name.role == "electrical":
+            doubts.append(f"by {given.speed.text}: {ELECTRICAL}")
+        if column.name.maker:
+            doubts.append(f"turns ({column.name.maker}'s unit): check")
+        if (
+            what == "angle"
+            and unit == "counts"
+            and given.wrap in limits.COUNTERS
+            and not _is_turn(best, given)
+        ):
+            doubts.append(f"turn or {math.log2(given.wrap):g}-bit overflow?")
+        also = _others(found, what, unit) if sure < limits.SURE else []
+        turn = (
+            {f"{r.counts:.6g}" for r in found if r.weight > 0.02 and r.counts} if unit == "counts" else set()
+        )
+        if sure < limits.SURE and len(turn) > 1:
+            also.append(f"{' or '.join(sorted(turn))} counts per turn")
+        if also:
+            doubts.append(f"could also be {' or '.join(also)}")
+        elif sure < limits.SURE or not shown:
+            doubts.append(BY_SIZE)
         if unit.startswith("counts") and best.product:
             doubts.append("the log shows counts per turn times gear, not each: check encoder_counts_per_rev")
         if unit.startswith("counts") and not best.counts:
@@ -519,6 +557,16 @@ def _channels(
             found_in = replace(found_in, source=source, unit="rpm", reads=(column.text,))
         proposals.append(found_in)
     return proposals
+
+
+ELECTRICAL = "electrical, by its name: divide it by the pole pairs of the motor"
+
+
+def _is_turn(best: Reading, given: Shown) -> bool:
+    """Whether gravity or a speed in a unit confirms that a wrap of the angle is a turn."""
+    return abs(best.gear - 1.0) < limits.SAME_SHAFT or (
+        given.speed is not None and bool(given.speed.name.unit)
+    )
 
 
 def _alike(reading: Reading, best: Reading, unit: str) -> bool:

@@ -27,6 +27,7 @@ KINDS = ("current", "torque", "voltage")
 
 
 CONSTANT = "it is constant"
+SET = "a set value by its name"
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ def no_drive(name: Name) -> str:
     if name.role == "set":
         # A converter applies the voltage that it is told.
         told = name.quantity == "duty" or (name.quantity == "voltage" and name.word != "v")
-        return "" if told else "a set point, by its name"
+        return "" if told else SET
     if name.role == "computed":
         return "computed by a model or a controller, as its name says"
     if not name.signal:
@@ -369,6 +370,10 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
         doubts.append("a letter alone: it may be a velocity")
     if name.word in CONTROLS:
         doubts.append("the output of a controller: the log does not show its quantity or its scale")
+    levels, values = one.column.levels, one.column.values
+    clipped = float(np.mean((values == levels[0]) | (values == levels[-1])))
+    if len(levels) > limits.FEW_VALUES and clipped > limits.CLIPPED:
+        doubts.append(f"clipped in {100 * clipped:.0f} % of rows?")
     if name.word == "effort":
         doubts.append("an effort may be a torque, a current or a voltage, as the drive's driver defines it")
     if without_sign(one.column, motion):

@@ -78,12 +78,16 @@ MOST_GEAR = 400.0
 strain wave gear has 30 to 200, and two stages of planets as many."""
 HARDLY = 0.05
 """Range of a drive over its largest value up to which it hardly varies: a constant command, or a supply."""
+CLIPPED = 0.02
+"""Part of the rows at the largest and smallest value from which a sensor may be at the ends of its range."""
 COUNTED = 20.0
 """Largest whole number from which a drive without a unit may be in counts, not a coarse sensor."""
 COASTS = 0.75
 """Share of the motion in which it slows down, from which it coasts: a driven one comes back to its speed."""
 SUPPLY = 0.2
 """The same for a voltage beside another drive: what the speed needs of a voltage would show."""
+COUNTERS = (2.0**16, 2.0**32)
+"""Periods at which an angle in counts restarts where its counter overflows, as well as after a turn."""
 SAME_SHAFT = 0.1
 """Relative error of the number of turns in which gravity repeats: less than two shafts of a gear differ."""
 NEAR_WHOLE = 0.02
@@ -114,5 +118,7 @@ FEW_VALUES = 400
 """Most runs of one log."""
 
 # Posteriors.
+TURNS_BY_SYMBOL = 0.1
+"""How much rarer turns are under a symbol of mechanics, as theta, and in ROS, than under a word."""
 SURE = 0.95
 """Probability below which a doubt is stated."""

@@ -10,9 +10,9 @@ import numpy as np
 from eccentric.drafting import limits
 from eccentric.drafting.balance import Moved, balance_of
 from eccentric.drafting.columns import Grid, LoggedColumn
-from eccentric.drafting.drives import no_drive
-from eccentric.drafting.proposal import Proposal, quoted
-from eccentric.drafting.words import is_like
+from eccentric.drafting.drives import CONSTANT, no_drive
+from eccentric.drafting.proposal import BY_SIZE, Proposal, quoted
+from eccentric.drafting.words import is_of_supply
 
 _FAHRENHEIT = re.compile(r"(?<![A-Za-z])(°|[Dd]eg ?)?F\W*$|(?i:fahrenheit|(?<![a-z])deg ?f\W*$)")
 """A small f alone is of "filtered" or "front"."""
@@ -25,9 +25,7 @@ def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedC
     slow = [c for c in columns if not c.is_flag and not c.is_constant and is_slow(c)]
     named = [c for c in columns if c.name.quantity == "temperature" and not c.is_flag]
     of_supply = (c for c in columns if c.name.quantity == "supply" and not c.is_flag)
-    supply = next(
-        (c for c in of_supply if "current" not in c.text.lower() and not is_like(c.name.unit, "A")), None
-    )
+    supply = next((c for c in of_supply if not is_of_supply(c.name)), None)
     # The motor's own heats its winding and its magnets; a converter has one of its own.
     temperature = min(named, key=_far_from_motor, default=None) or next(
         (c for c in slow if c.name.quantity == "" and c.name.signal and _warm(c)), None
@@ -44,7 +42,7 @@ def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedC
         doubts.append("no name; any slow signal would look the same")
         sure = 0.6
     if not temperature.name.unit and high >= 150.0:
-        doubts.append("unit only from its size")
+        doubts.append(BY_SIZE)
     elif not temperature.name.unit:
         evidence.append(f"{unit} by its size")
     text, reads = temperature.text, ()
@@ -108,7 +106,7 @@ def find_flags(
     for column in columns:
         quantity = column.name.quantity
         if column.is_constant:
-            left_out[column.text] = "it is constant"
+            left_out[column.text] = CONSTANT
             continue
         value = {"on": 0, "off": 1, "good": 1, "bad": 0}.get(quantity)
         share = float(np.mean(column.values == value)) if value is not None else 0.0

@@ -8,6 +8,9 @@ from dataclasses import dataclass, replace
 
 from eccentric.model import DRIVE_PARTS
 
+BY_SIZE = "unit only from its size"
+"""The doubt of a unit that neither a name nor another column shows."""
+
 
 @dataclass(frozen=True)
 class Proposal:

@@ -49,8 +49,8 @@ def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[Rig
     if best.speed == "counts/s" and best.counts:
         why = next(w for w in best.why["speed"] if "a turn has" in w)
         return [RigLine("", key, f"{best.counts:g}", why)]
-    unit = {"rad": 1.0, "deg": TURN / 360.0, "rev": TURN, "mrad": 1e-3}[best.angle]
     if given.step:
+        unit = parse_unit(best.angle, "").factor
         counts = TURN / (given.step * unit)
         if 90.0 < counts < 2e7 and (nice := nice_counts(counts, 2e-3)):
             why = f"the smallest step of the angle, {given.step:.6g} {best.angle}"

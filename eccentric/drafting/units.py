@@ -19,7 +19,7 @@ from eccentric.core import InputError, few, so_more
 from eccentric.drafting import limits
 from eccentric.drafting.columns import LoggedColumn, columns_of, nice_counts
 from eccentric.drafting.proposal import Proposal, quoted
-from eccentric.drafting.words import Name, is_like, read_name
+from eccentric.drafting.words import Name, is_like, is_mass, read_name
 from eccentric.logs import Log, falls, mended, parse_unit
 from eccentric.signals import UNEVEN_STEP
 
@@ -67,10 +67,12 @@ def find_runs(
         if quantity != "time" and (quantity == "run" or np.any(values[1:] != values[:-1])):
             found += _blocks(name, values, rows, 0.5 + (quantity == "run"))
     for name, column in columns.items():
-        if (column.is_whole or column.is_flag) and column.name.quantity in ("run", ""):
+        mass = is_mass(column.name.unit)  # each mass is a run where no column names them
+        if mass or ((column.is_whole or column.is_flag) and column.name.quantity in ("run", "")):
             if column.is_constant and column.name.quantity != "run":
                 continue
-            found += _blocks(name, column.values, rows, -0.5 + 2.0 * (column.name.quantity == "run"))
+            score = -0.5 + mass + 2.0 * (column.name.quantity == "run")
+            found += _blocks(name, column.values, rows, score)
     if not found:
         return None, np.zeros(rows - 1, dtype=bool)
     score, name, changes, count = max(found, key=lambda one: one[0])
@@ -433,7 +435,7 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
     if angle and given.angle is not None:
         weight *= _named(given.angle, angle)
         if given.angle.name.unit:
-            why["angle"] += (f"{given.angle.name.unit} by its name",)
+            why["angle"] += (f"{given.angle.name.unit} by {_source(given.angle.name)}",)
         factor, said = _shape(given, angle, unit)
         weight *= factor
         why["angle"] += said
@@ -452,11 +454,14 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
     per = of_count if speed == "counts/s" else _factor(speed, _SPEEDS)
     ratio = 1.0
     if speed and given.speed is not None:
-        weight *= _named(given.speed, speed)
+        weight *= 1.0 if _follows(given, angle, speed) else _named(given.speed, speed)
         if given.speed.name.unit:
-            why["speed"] += (f"{given.speed.name.unit} by its name",)
-        if given.factor and unit and per:
-            off = abs(given.factor) * per / (unit * later)
+            why["speed"] += (f"{given.speed.name.unit} by {_source(given.speed.name)}",)
+        # Counts of one encoder are compared without their size.
+        alike = speed == "counts/s" and angle == "counts"
+        weight *= 1e-4 if speed == "counts/s" and angle not in ("", "counts") else 1.0
+        if given.factor and (alike or (unit and per)):
+            off = abs(given.factor) / later * (1.0 if alike else per / unit)
             factor, ratio, said = _slope(off, given.factor, gear)
             weight *= factor
             why["speed"] += said
@@ -471,7 +476,24 @@ def _named(column: LoggedColumn, unit: str) -> float:
     said = _SAME.get(column.name.unit, column.name.unit)
     if said:
         return 1.0 if said == unit else 1e-4
-    return _PRIOR[unit]
+    return _PRIOR[unit] * (
+        limits.TURNS_BY_SYMBOL if unit.startswith("rev") and _SYMBOL(column.name.text) else 1.0
+    )
+
+
+_SYMBOL = re.compile(
+    r"(?<![a-z])(d{0,2}q|qd{0,2}|qpos|qvel|theta|omega|w|phi|joint_?states?)(?![a-z])", re.IGNORECASE
+).search
+
+
+def _source(name: Name) -> str:
+    return f"{name.maker}'s names" if name.maker else "its name"
+
+
+def _follows(given: Shown, angle: str, speed: str) -> bool:
+    """Whether neither name has a unit and the speed is in that of the angle: one choice, not two."""
+    named = (given.angle is None or given.angle.name.unit) or (given.speed is None or given.speed.name.unit)
+    return not named and speed == f"{angle}/s"
 
 
 def _counts(given: Shown, speed: str, later: float) -> tuple[float, bool, tuple[str, ...]]:

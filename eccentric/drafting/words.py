@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from eccentric.core import InputError
@@ -18,27 +18,28 @@ from eccentric.logs import parse_unit
 _WORDS = {
     "time": "t time times timestamp stamp zeit clock tick ticks uptime elapsed millis micros sec secs seconds"
     " nsec nanosec nanoseconds msec usec dt ts epoch utc date datetime tiempo temps tempo latency jitter"
-    " zeitstempel uhrzeit datum tijd tid czas zaman 시간 时间 時間 время",
+    " zeitstempel uhrzeit datum czas cas tijd tid zaman 시간 时间 時間 время",
     "angle": "theta angle ang pos position q winkel lage enc encoder rotation drehwinkel phi th stroke weg"
     " angulo angolo posicion posizione posicao qpos observationstate drehgeber"
-    " hoek vinkel kat polozenie konum 각도 角度 位置 угол положение θ ϑ φ ϕ",
+    " hoek positie vinkel kat polozenie uhel poloha aci konum 각도 위치 角度 位置 угол положение θ ϑ φ ϕ",
     "speed": "omega w speed spd vel velo velocity drehzahl dq qd qdot thetadot dtheta rpm geschwindigkeit"
     " n om vitesse velocidad velocidade velocita phidot dphi gyro angularvelocity qvel erpm giri"
-    " snelheid toerental hastighet predkosc hiz hız 속도 转速 速度 回転数"
+    " snelheid toerental hastighet predkosc rychlost hiz hız 속도 转速 速度 回転数"
     " скорость ω",
     "acceleration": "acc accel acceleration qdd ddq qddot ddot ddtheta thetaddot beschleunigung qacc a"
     " 加速度",
     "current": "i iq current curr cur strom amps ampere amp amperage isense imot motorstrom isq corriente"
-    " corrente courant stroom prad akım 전류 电流 電流 ток",
+    " corrente courant stroom prad proud akim akım 전류 电流 電流 ток",
     "voltage": "u uq vq voltage volt volts spannung umot vmot v klemmenspannung usq tension"
-    " tensione tensao voltaje vmotor vmot spanning napiecie gerilim 전압 电压 電圧 напряжение"
+    " tensione tensao voltaje vmotor spanning napiecie napeti gerilim 전압 电压 電圧 напряжение"
     " pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse"
     " stellgrosse",
     "torque": "tau torque torq tor moment trq drehmoment tq mot_torque force kraft thrust couple coppia"
-    " koppel vridmoment tork 토크 转矩 扭矩 力矩 トルク момент τ",
+    " koppel vridmoment tork qfrc 토크 转矩 扭矩 力矩 トルク момент τ",
     "temperature": "temp temperature temperatures temperatur temperatura celsius tmot 温度 температура",
-    "supply": "supply vsupply bus vbus vdc battery vbat batt bat iin dclink vin ubat zwischenkreis mains"
-    " mainvoltage ubus ibus idc udc inputvoltage voltagein inputcurrent currentin",
+    "supply": "supply psu vsupply bus vbus vdc battery vbat batt bat iin dclink vin ubat zwischenkreis mains"
+    " mainvoltage batterycurrent sourcecurrent linecurrent buscurrent supplycurrent psucurrent"
+    " dccurrent ubus ibus idc udc inputvoltage voltagein inputcurrent currentin",
     "duty": "pwm duty dutycycle motorpwm",
     "direction": "direction dir drehrichtung richtung sign cw ccw clockwise",
     "run": "run trial experiment versuch lauf series record test messung",
@@ -93,7 +94,7 @@ _LINK = frozenset({"link", "load", "output", "out", "joint", "arm", "l", "last",
 _MOTOR = frozenset({"motor", "mot", "m", "rotor", "input", "in", "antrieb"})
 
 _SPELLINGS = {
-    "m_s": "m/s", "mm_s": "mm/s", "um_s": "um/s", "cm_s": "cm/s",
+    "mrads": "mrad/s", "m_s": "m/s", "mm_s": "mm/s", "um_s": "um/s", "cm_s": "cm/s",
     "mrad_s": "mrad/s",
     "rad_s": "rad/s", "rads": "rad/s", "rad/sec": "rad/s", "rad_sec": "rad/s", "rad s^-1": "rad/s",
     "rad_s2": "rad/s^2", "rads2": "rad/s^2", "m_s2": "m/s^2", "ms2": "m/s^2",
@@ -158,6 +159,7 @@ class Name:
         whose: the words that say neither quantity nor role, as "a 1", "motor" and "axis 0".
         word: the one that the quantity is by.
         weak: whether that is a letter alone, which values may overrule.
+        maker: who logs signals of this name in this unit, where nothing else says it.
     """
 
     text: str
@@ -168,6 +170,7 @@ class Name:
     word: str = ""
     weak: bool = False
     whose: str = ""
+    maker: str = ""
 
     @property
     def is_rated(self) -> bool:
@@ -246,17 +249,20 @@ def read_name(text: str, unit: str = "") -> Name:
 
 _NO_UNITS = frozenset({"min", "hz", "count", "counts", "cnt", "inc", "ticks", "grad", "rev", "rads"})
 """Units that are names of other things where they are the whole name of a column."""
-_OUTPUT = re.compile(r"^out\.")
-"""What Simulink calls the structure that holds all outputs: no side of a gear."""
+_OUTPUT = re.compile(r"^(out\.|simout|yout|\"?model root\"?/)+", re.IGNORECASE)
+"""What Simulink calls what holds all outputs, and dSPACE all signals: no side of a gear, and no model's."""
 
 
 def _inside(bracket: re.Match[str]) -> str:
     return next((g for g in bracket.groups() if g), "")
 
 
+_NO_ACCENTS = str.maketrans({"ß": "ss", "ł": "l", "Ł": "L", "ı": "i", "ø": "o", "đ": "d"})
+
+
 def _letters(text: str) -> str:
     """A text without accents."""
-    split = unicodedata.normalize("NFD", text.replace("ß", "ss"))
+    split = unicodedata.normalize("NFD", text.translate(_NO_ACCENTS))
     return unicodedata.normalize("NFC", "".join(c for c in split if not "\u0300" <= c <= "\u036f"))
 
 
@@ -300,9 +306,14 @@ def _parts(word: str) -> tuple[str, ...]:
 
 def _role(plain: str, words: Sequence[str], pairs: Sequence[str]) -> str:
     """Where a column comes from, as its words say."""
-    said = {_OF_ROLE[w] for w in (*words, *pairs) if w in _OF_ROLE}
+    # "phase_current" is the motor's, "phase current A" that of one of three windings.
+    whole = "phasecurrent" in pairs and not {*"abcuvw123"} & set(words)
+    said = {_OF_ROLE[w] for w in (*words, *pairs) if w in _OF_ROLE and not (whole and w == "phase")}
+    # Of "Axis.StatusDrive.ActualTorque": what holds a signal says less than its own name.
+    if {"other", "measured"} <= said and "measured" in {_OF_ROLE.get(w) for w in words[-2:]}:
+        said.discard("other")
     if "status" in words and any(_OF_WORD.get(w) in _KINDS for w in words[words.index("status") :]):
-        said = {_OF_ROLE[w] for w in (*words, *pairs) if w in _OF_ROLE and w != "status"}  # status.current
+        said.discard("other")  # status.current
     # Of q_d, i_d: desired, or the d axis; rotation/w: a part of a quaternion.
     if re.search(r"[a-z0-9]_d(?![a-z])", plain, re.IGNORECASE) and "d" in words[1:]:
         said.add("set")
@@ -329,6 +340,43 @@ _COMPATIBLE = {
     ("voltage", "angle"),
     ("torque", "ratio"),
 }
+
+
+_MAKERS = {
+    "ODrive": ({"vel_estimate": "rev/s", "pos_estimate": "rev"}, ()),
+    "moteus": ({"position": "rev", "velocity": "rev/s"}, ("q_current",)),
+}
+"""Controllers that log turns: the ends of the names of their signals, and of others that must be there."""
+
+
+def made_by(names: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """Columns whose names are those of a controller that logs turns -> unit and controller."""
+    ends = {name: re.split(r"[./ ]", name.lower())[-1] for name in names}
+    return {
+        name: (units[end], maker)
+        for maker, (units, others) in _MAKERS.items()
+        if {*others} <= {*ends.values()}
+        for name, end in ends.items()
+        if end in units
+    }
+
+
+def is_of_supply(name: Name) -> bool:
+    """Whether it is a current of the supply, which is not that of the motor."""
+    return name.quantity == "supply" and (is_like(name.unit, "A") or bool(_CURRENT.search(name.text)))
+
+
+_CURRENT = re.compile(r"curr|amp|strom|ibus|idc|(?<![a-z])i(?![a-z])", re.IGNORECASE)
+_MOTOR_CURRENT = frozenset({"q", "phase", "armature", "winding", "joint", "axis"})
+
+
+def is_of_motor(name: Name) -> bool:
+    """Whether a current is that of the motor, by its name."""
+    return (
+        name.side != ""
+        or (len(name.word) > 1 and name.word in ("iq", "isq", "imot", "motorstrom"))
+        or bool(_MOTOR_CURRENT & {*name.whose.split()})
+    )
 
 
 def of_a_carriage(unit: str) -> bool:
@@ -393,9 +441,13 @@ def _suffix(text: str) -> tuple[str, str]:
         # A single letter is a unit only in its own case, and two words only where they are known as one.
         known = said.lower() in _SPELLINGS
         if (len(said) == 1 and said not in {"s", "A", "V", "C", "K", "N"}) or (
-            not known and ("_" in said or said[-1].isdigit())
+            said[-1].isdigit() and not known
         ):
             continue
+        if "_" in said and not known:
+            said = re.sub(r"_(?=(s|sec|min)$)", "/", said, flags=re.IGNORECASE)
+            if "/" not in said:
+                continue
         if found := spelled(said):
             return found, whole[: tail.start()] + more
     # A quantity over its unit, as ISO 80000 writes it: n/rpm; but rad/s is a unit as it stands.

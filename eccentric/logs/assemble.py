@@ -177,15 +177,53 @@ def _of_array(value: Column, name: str) -> Iterator[tuple[str, Any]]:
 
 def _of_records(items: Sequence[Mapping[str, Any]], name: str, depth: int) -> Iterator[tuple[str, Any]]:
     """Yield a column for each key of the records, or one for each record if they hold more than scalars."""
+    if (signals := _named_signals(items)) is not None:
+        yield from signals.items()
+        return
     for key in dict.fromkeys(key for item in items for key in item):
         values = [item.get(key) for item in items]
+        full = f"{name}.{key}" if name else key
+        nested = [value for value in values if isinstance(value, dict)]
         if all(map(_is_scalar, values)):
-            yield f"{name}.{key}" if name else key, column_of(values)
+            yield full, column_of(values)
+        elif len(nested) == len(items) >= limits.SHORTEST_VECTOR and depth < limits.DEEPEST_STRUCTURE:
+            yield from _of_records(nested, full, depth + 1)
+        elif len(items) >= limits.SHORTEST_VECTOR and (matrix := _matrix(values)) is not None:
+            yield from _of_array(matrix, full)
         elif len(items) > limits.MOST_PARTS:
             yield f"{name}.{key}", LeftOut("since it is neither numbers nor text")
         else:
             for k, inner in enumerate(values, start=1):
                 yield from _flat(inner, f"{name}({k}).{key}", depth + 1)
+
+
+def _matrix(rows: Sequence[Any]) -> Column | None:
+    """A row of numbers for each record, of one length and shorter than there are records; None for others."""
+    width = len(rows[0]) if isinstance(rows[0], list) else 0
+    if not 0 < width <= len(rows) or not all(
+        isinstance(row, list) and len(row) == width and all(map(_is_scalar, row)) for row in rows
+    ):
+        return None
+    try:
+        return np.array(rows, dtype=float)
+    except (ValueError, TypeError):
+        return None
+
+
+def _named_signals(items: Sequence[Mapping[str, Any]]) -> dict[str, Column] | None:
+    """Signals that hold their own name, as the Y of dSPACE and the scopes of Simulink; None for others."""
+    for name, data, unit in (("Name", "Data", "Unit"), ("label", "values", "")):
+        named = [str(item.get(name, "")).replace('"', "") for item in items]
+        values = [np.asarray(item.get(data, 0.0)) for item in items]
+        if (
+            all(named)
+            and len(set(named)) == len(named)
+            and all(v.ndim == 1 and v.dtype.kind in "biuf" for v in values)
+        ):
+            units = [str(item.get(unit, "")) if unit else "" for item in items]
+            called = [f"{n} [{u}]" if u and "[" not in n else n for n, u in zip(named, units, strict=True)]
+            return {n: v.astype(float) for n, v in zip(called, values, strict=True)}
+    return None
 
 
 def _last(name: str) -> str:

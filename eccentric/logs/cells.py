@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eccentric.core import InputError
 from eccentric.logs import limits
@@ -27,13 +28,15 @@ _WITH_UNIT = re.compile(
 )
 POINT = "; expected a decimal point, as in 1.5"
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][-+]?\d+)?\s*")
-_DATE = re.compile(r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
+_DATE = re.compile(r"\s*\d{4}(-?)\d\d\1\d\d[T ]\d\d:?\d\d")
 _UNIT = re.compile(r"[\[(]?\s*[A-Za-zµμΩ°%/^·* \d.²³-]{0,12}\s*[\])]?")
-_TIME_OF_DAY = re.compile(
+TIME_OF_DAY = re.compile(
     r"\s*(?:(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}|[A-Za-z]{3,9},?)[T ,]+)*"
-    r"(?P<hour>[01]?\d|2[0-3]):(?P<minute>[0-5]\d)(?::(?P<second>[0-5]\d)(?P<fraction>[.,:]\d+)?)?"
+    r"(?P<hour>[01]?\d|2[0-3]):(?P<minute>[0-5]\d)(?::(?P<second>[0-5]\d)(?P<fraction>[.,:;]\d+)?)?"
     r"\s*(?:(?P<half>[AaPp])[Mm])?\s*"
 )
+_FORTRAN = re.compile(r"(?<=[\d.])[dD](?=[-+]\d{2,3}(?!\d))")
+_THOUSANDS = re.compile(r"(?<=\d)[\u00a0\u2009\u202f](?=\d{3}(?!\d))")
 EXACT = 2**53
 """Whole numbers above this are not exact as floating point: nanoseconds since 1970 are in steps of 256."""
 
@@ -48,6 +51,15 @@ class Sign:
     decimal: str = "."
     proved: bool = False
     assumed: bool = False
+
+
+def plainly(text: str) -> str:
+    """A text whose numbers have no exponents of Fortran (1.2D+02), minus signs or blanks in thousands."""
+    if any(sign in text for sign in ("D+", "D-", "d+", "d-")):
+        text = _FORTRAN.sub("e", text)
+    if "\u2212" in text:
+        text = text.replace("\u2212", "-")
+    return _THOUSANDS.sub("", text) if not text.isascii() else text
 
 
 def signs_of(columns: Sequence[Sequence[str]], delimiter: str) -> list[Sign]:
@@ -134,7 +146,7 @@ def cells_to_column(name: str, cells: Sequence[str], sign: Sign) -> tuple[Column
         return column_of([one[1] if one else "" for one in found]), unit, ""
     if given and all(map(_DATE.match, given)):
         return _dates(name, cells, column)
-    if given and all(map(_TIME_OF_DAY.fullmatch, given)):
+    if given and all(map(TIME_OF_DAY.fullmatch, given)):
         return _times_of_day(name, cells)
     return column, "", ""
 
@@ -212,7 +224,7 @@ def _times_of_day(name: str, cells: Sequence[str]) -> tuple[Column, str, str]:
 
     The order of day and month does not matter: another date is the next day.
     """
-    found = [_TIME_OF_DAY.fullmatch(cell) for cell in cells]
+    found = [TIME_OF_DAY.fullmatch(cell) for cell in cells]
     seconds = np.array([math.nan if one is None else _of_day(one) for one in found])
     rows = np.flatnonzero(np.isfinite(seconds))
     steps = np.diff(seconds[rows])
@@ -249,6 +261,22 @@ def units_row(names: Sequence[str], first: Sequence[str], second: Sequence[str] 
     if not all(map(_UNIT.fullmatch, said)) or not any(over_numbers):
         return {}
     return {name: cell.strip("[]() ") for name, cell in zip(names, said, strict=True) if cell.strip("[]()- ")}
+
+
+_LIST = re.compile(r"\s*(?:array)?[(\[]+\s*([^\[\]()]*?)[,\s]*[)\]]+\s*")
+
+
+def lists_of(cells: Sequence[str]) -> NDArray[np.float64] | None:
+    """Cells that each hold as many numbers in brackets, as arrays print, (n, numbers); None for others."""
+    first = _LIST.fullmatch(cells[0]) if cells else None
+    if first is None:
+        return None
+    found = [_LIST.fullmatch(cell) for cell in cells]
+    rows = [re.split(r"\s*,\s*|\s+", one[1]) if one else [] for one in found]
+    width = len(rows[0])
+    if not all(len(row) == width and all(number_of(cell) is not None for cell in row) for row in rows):
+        return None
+    return np.array([[number_of(cell) for cell in row] for row in rows], dtype=float)
 
 
 def is_number(cell: str) -> bool:

@@ -24,7 +24,17 @@ from numpy.typing import NDArray
 from eccentric.core import InputError, few
 from eccentric.logs import limits
 from eccentric.logs.assemble import Column, InParts, Part, Read, number_of, overlaps
-from eccentric.logs.cells import EXACT, POINT, cells_to_column, is_number, plain_column, signs_of, units_row
+from eccentric.logs.cells import (
+    EXACT,
+    POINT,
+    cells_to_column,
+    is_number,
+    lists_of,
+    plain_column,
+    plainly,
+    signs_of,
+    units_row,
+)
 from eccentric.logs.clocks import of_clocks, of_topics
 from eccentric.logs.foreign import (
     library,
@@ -34,6 +44,7 @@ from eccentric.logs.foreign import (
     require_room_for_text,
     text_of,
 )
+from eccentric.logs.labels import has_labels, of_labels
 from eccentric.logs.layout import Layout, is_content, is_prose, layout_of, rows_of
 
 _NO_TABLES = {
@@ -42,6 +53,10 @@ _NO_TABLES = {
 }
 """How files begin that stand in place of a log, and what to do."""
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
+_FRAMES = re.compile(
+    r"\s*(\(\d+\.\d+\)\s+)?[vs]?l?can\d\s+[0-9A-Fa-f]{3,8}(#|\s+\[\d\])|;\$FILEVERSION|date \w+ .*\d{4}$"
+)
+"""Lists of frames on a CAN bus: of candump, PEAK and Vector."""
 
 
 def read_csv(path: Path) -> Read:
@@ -62,7 +77,9 @@ def read_text(whole: str, path: Path) -> Read:
     """Return the table in a text, as `read_csv` reads it from a file; `path` is that of messages."""
     rows = 1 + max(whole.count("\n"), whole.count("\r"))
     require_room_for_text(path, whole, rows, rows + sum(map(whole.count, ",;\t")))
-    text = io.StringIO(whole, newline="").readlines()
+    text = io.StringIO(plainly(whole), newline="").readlines()
+    if has_labels(text[: limits.LAYOUT_LINES]) and (labelled := of_labels(text)) is not None:
+        return labelled
     if _is_markdown(text[: limits.LAYOUT_LINES]):
         text = ["\n" if _RULE.fullmatch(line) else line.strip().strip("|") + "\n" for line in text]
     with _csv_errors(path):
@@ -93,6 +110,8 @@ def csv_source(path: Path) -> InParts | None:
     try:
         with _csv_errors(path):
             lines = _first_lines(path, limits.LAYOUT_LINES)
+            if has_labels(lines) or plainly(first := "".join(lines)) != first:
+                return None
             layout = _start(path, lines)
             if _is_markdown(lines) or layout.clocks or layout.units or not _plain(path, layout):
                 return None
@@ -149,6 +168,9 @@ def _start(path: Path, text: Sequence[str]) -> Layout:
     other = next((said for start, said in _NO_TABLES.items() if text[skipped].lstrip().startswith(start)), "")
     if other:
         raise InputError(path, "a table of text", other)
+    if _FRAMES.match(text[skipped]):
+        got = "frames of a CAN bus: decode them by the drive's DBC or object dictionary, and write a table"
+        raise InputError(path, "a table of text", got)
     names, delimiter, is_row = _names(text[skipped - 1] if skipped else "", text[skipped])
     before = skipped + (not is_row)
     sample = text[: before + limits.LAYOUT_LINES]
@@ -178,6 +200,7 @@ def _is_table(names: Sequence[str], delimiter: str, below: Sequence[str]) -> boo
     return (
         widths
         and len(set(names)) == len(names)
+        and (bool(names[-1].strip()) or not any(row[-1].strip() for row in rows))
         and not any(name.strip() and is_number(name) for name in names)
         and any(is_number(cell) for row in rows for cell in row)
     )
@@ -239,6 +262,9 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
     notes: list[str] = []
     units = {**layout.units, **units}
     for name, cells, sign in zip(header, values, signs, strict=False):
+        if (lists := lists_of(cells)) is not None:
+            columns |= {f"{name}(:,{k})": column for k, column in enumerate(lists.T, start=1)}
+            continue
         columns[name], unit, note = cells_to_column(name, cells, sign)
         notes += [note] if note else []
         units |= {name: unit} if unit else {}
@@ -265,17 +291,38 @@ def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
     except UnicodeDecodeError as error:
         if error.object[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
             return text_of(path, "utf-16"), ()
+        if text := _in_words(path, "cp932", _JAPANESE):
+            return text, _read_as("Shift JIS")
         with suppress(UnicodeDecodeError):
             # Of two bytes above 0xA0 each, and of the usual Chinese characters: no text in Latin-1 is.
             text = text_of(path, "gb2312")
             # Nor is a text of signs such as two micros, which would be one of them.
             signs = {byte for byte in error.object if byte > 0x7F} <= {*"°±²³µ·".encode("latin-1")}
             if not signs and all(c.isascii() or c.encode("gb2312") < b"\xd8" for c in set(text)):
-                return text, ("read as GB 2312, since it is no UTF-8",)
+                return text, _read_as("GB 2312")
+        if text := _in_words(path, "cp1251", _CYRILLIC):
+            return text, _read_as("Windows-1251")
         text = text_of(path, "cp1252")  # raises where Latin-1 of Windows has no character
         if _NO_TEXT.search(text):
             raise
-        return text, ("read as Latin-1, since it is no UTF-8",)
+        return text, _read_as("Latin-1")
+
+
+def _read_as(encoding: str) -> tuple[str]:
+    return (f"read as {encoding}, since it is no UTF-8",)
+
+
+_JAPANESE = re.compile(r"[\u3040-\u30ff\u4e00-\u9fff\uff00-\uff60]{2,}")
+_CYRILLIC = re.compile(r"[\u0400-\u04ff]{3,}|[°±µ·]")
+
+
+def _in_words(path: Path, encoding: str, letters: re.Pattern[str]) -> str:
+    """The text of a file in an encoding whose letters stand in words, "" where they do not."""
+    with suppress(UnicodeDecodeError):
+        text = text_of(path, encoding)
+        if any(len(one[0]) > 1 for one in letters.finditer(text)) and letters.sub("", text).isascii():
+            return text
+    return ""
 
 
 def _rectangular(

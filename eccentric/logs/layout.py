@@ -26,8 +26,10 @@ from eccentric.logs.units import parse_unit
 BLANKS = ""
 """The delimiter of values between blanks."""
 _SEEN = ("\t", ";", ",", "|", BLANKS)
-_NAMES = frozenset({"name", "names", "channel", "channels", "channel name", "signal", "signal name"})
-_UNITS = frozenset({"unit", "units", "unit name", "channel unit"})
+_NAMES = frozenset(
+    {"name", "names", "channel", "channels", "channel name", "signal", "signal name", "trace_names"}
+)
+_UNITS = frozenset({"unit", "units", "unit name", "channel unit", "trace_units", "y_unit_label"})
 _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]")
 _CLOCK = re.compile(r".*\d:\d\d(:\d\d)?([.,]\d+)?\s*([AaPp][Mm])?\s*Z?|\s*\d{4}-\d\d-\d\d.*")
 _SETTING = re.compile(r"\s*[^\d\s,;=:][^,;=:]*[:=]\s*\S")
@@ -92,7 +94,7 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
         )
         for cells in _cells_above(line.lstrip("# \t") if line.startswith("#") else line, delimiter, width)
     ]
-    found = _labelled(above, width) or _header(above, rows)
+    found = _beside_labels(above, width) or _labelled(above, width) or _header(above, rows)
     if found is None:
         others = [k for k, line in enumerate(lines[:first]) if is_content(line) and not _SETTING.match(line)]
         if others and any(not is_number(cell) for _, cells in above for cell in cells):
@@ -241,6 +243,27 @@ def _first(
 
 
 _Found = tuple[int, list[str], dict[str, str], tuple[int, ...]]
+
+
+def _beside_labels(above: Sequence[tuple[int, list[str]]], width: int) -> _Found | None:
+    """A header whose line, as that of its units, has a label before its cells; None without one.
+
+    LabVIEW labels the units alone, and its header ends with a column of comments that rows leave out.
+    """
+    found: tuple[int, list[str], list[str]] | None = None
+    units: list[str] = []
+    for line, (label, *cells) in above:
+        if label.lower() in _NAMES and len(cells) == width:
+            found = line, cells, cells
+        elif label == "X_Value" and len(cells) >= width - 1:
+            found = line, [label, *cells[: width - 1]], cells
+        elif label.lower() in _UNITS:
+            units = cells
+    if found is None:
+        return None
+    line, names, of_units = found
+    told = {name: unit for name, cell in zip(of_units, units, strict=False) if (unit := _unit(cell))}
+    return line, names, told, ()
 
 
 def _labelled(above: Sequence[tuple[int, list[str]]], width: int) -> _Found | None:

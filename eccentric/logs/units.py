@@ -99,6 +99,8 @@ _SHOWN = (
 _NAMES = (*_PLAIN, *_PREFIXED, "counts")
 _TOKEN = re.compile(r"\s*(?:([A-Za-zµμΩ°%]+)(?:\^?(-?\d+)|([²³]))?|(1)(?![\d.])|([*·./()]))")
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_SCALED = re.compile(r"(0[.,]0*1)\s*[x*·]?\s*(?=[A-Za-z°µμΩ])")
+"""Before a unit, as drives state the resolution of a signal: 0.1 rpm."""
 _VALUE = re.compile(rf"\s*({_NUMBER})(?:\s*/\s*({_NUMBER}))?\s*(.*)", re.DOTALL)
 
 
@@ -133,7 +135,8 @@ def parse_unit(
     stripped = unicodedata.normalize("NFC", " ".join(text.split()))
     if stripped in ("K", "degC", "°C"):
         return Unit(stripped, 1.0, _KELVIN, -273.15 if stripped == "K" else 0.0)
-    tokens = _tokens(stripped, where)
+    scaled = _SCALED.match(stripped)
+    tokens = _tokens(stripped[scaled.end() :] if scaled else stripped, where)
     try:
         factor, dimension, rest = _product(tokens, stripped, where, counts_per_rev)
     except _UnknownNameError as unknown:
@@ -145,7 +148,7 @@ def parse_unit(
         ) from None
     if rest:
         raise InputError(where, problem=f"unit {text!r} has an unmatched ')'")
-    return Unit(stripped, factor, dimension)
+    return Unit(stripped, factor * float(scaled[1].replace(",", ".") if scaled else 1), dimension)
 
 
 def seconds_in(text: str) -> float:

@@ -1,0 +1,261 @@
+"""Forms in which tools and people print logs: what is read from each, and what a draft says of its units."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from eccentric.api.drafted import RigDraft, draft_rig
+from eccentric.core import InputError
+from eccentric.drafting.words import read_name
+from eccentric.logs import Log, parse_unit, read_log
+
+TURN = 2.0 * np.pi
+T = np.arange(3000) * 0.005
+Q = 6.0 * np.sin(1.9 * T + 0.3) + np.sin(7.1 * T + 1.0) + 0.2 * np.sin(17.0 * T)
+DQ = 11.4 * np.cos(1.9 * T + 0.3) + 7.1 * np.cos(7.1 * T + 1.0) + 3.4 * np.cos(17.0 * T)
+DDQ = -21.66 * np.sin(1.9 * T + 0.3) - 50.41 * np.sin(7.1 * T + 1.0) - 57.8 * np.sin(17.0 * T)
+CURRENT = 0.02 * DDQ + 0.04 * DQ + 0.5 * np.sign(DQ) + 0.01 * np.sin(1000.0 * T)
+X, V = T[:40], np.round(np.sin(3.0 * T[:40]), 4)
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Callable[..., Log]:
+    """Return a function that reads the content of a text file."""
+
+    def run(content: str | bytes, suffix: str = ".csv") -> Log:
+        path = tmp_path / f"log{suffix}"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return read_log(path)
+
+    return run
+
+
+@pytest.fixture
+def draft(tmp_path: Path) -> Callable[..., RigDraft]:
+    """Return a function that drafts the rig of columns."""
+
+    def run(**columns: np.ndarray) -> RigDraft:
+        path = tmp_path / "log.csv"
+        rows = zip(*columns.values(), strict=True)
+        lines = [",".join(columns), *(",".join(f"{value:.8g}" for value in row) for row in rows)]
+        path.write_text("\n".join(lines) + "\n")
+        return draft_rig(path)
+
+    return run
+
+
+def proposed(drafted: RigDraft) -> dict[str, tuple[str, str, str]]:
+    """Channel -> column, unit and doubt."""
+    return {p.channel: (p.column, p.unit, p.doubt) for p in drafted.proposals}
+
+
+def lines(pattern: str, *columns: Any) -> str:
+    """A line for each row."""
+    return "".join(pattern % row + "\n" for row in zip(*columns, strict=True))
+
+
+CLOCK = [f"12:00:{k // 10:02d}.{k % 10}00" for k in range(40)]
+TABLES = {
+    "labels": (lines("t:%.3f x:%.4f", X, V), {"t": "", "x": ""}),
+    "labels with blanks": (lines("t: %.3f x: %.4f", X, V), {"t": "", "x": ""}),
+    "labels with equal signs": (lines("t=%.3f,x=%.4f", X, V), {"t": "", "x": ""}),
+    "labels with units": (lines("t: %.3f s, x: %.4f rad", X, V), {"t": "s", "x": "rad"}),
+    "labels in a message": (lines('[INFO] {"t": %.3f, "x": %.4f}', X, V), {"t": "", "x": ""}),
+    "labels below other lines": ("boot\nready\n" + lines("t:%.3f\tx:%.4f", X, V), {"t": "", "x": ""}),
+    "labels after the time of day": (
+        lines("%s -> t:%.3f x:%.4f", CLOCK, X, V),
+        {"time": "s", "t": "", "x": ""},
+    ),
+    "exponents of Fortran": (
+        "t,x\n" + lines("%.8e,%.8e", X, V).replace("e", "D"),
+        {"t": "", "x": ""},
+    ),
+    "a minus sign": ("t,x\n" + lines("%.3f,%.4f", X, V).replace("-", "\u2212"), {"t": "", "x": ""}),
+    "numbers with their unit": ("t,x\n" + lines("%.3fs,%.4f A", X, V), {"t": "s", "x": "A"}),
+    "labels before names and units": (
+        "format,csv\ntrace_names,t,x\ntrace_units,s,rad\ntrace_values\n" + lines("%.3f,%.4f", X, V),
+        {"t": "s", "x": "rad"},
+    ),
+    "units of LabVIEW": (
+        "LabVIEW Measurement\t\nWriter_Version\t2\n***End_of_Header***\t\n\t\nChannels\t1\t\n"
+        "Y_Unit_Label\trad\t\nDelta_X\t0.005\t\n***End_of_Header***\t\t\nX_Value\tx\tComment\n"
+        + lines("%.3f\t%.4f", X, V),
+        {"X_Value": "", "x": "rad"},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_form_of_text_is_read(name: str, read: Callable[..., Log]) -> None:
+    """Names, values and the units that the file states."""
+    content, units = TABLES[name]
+    log = read(content)
+    x, t = (log.numbers(one) for one in list(log.columns)[:-3:-1])
+
+    assert list(units) == list(log.columns)
+    assert {n: u for n, u in units.items() if u} == dict(log.units)
+    np.testing.assert_allclose(t, X, atol=1e-9)
+    np.testing.assert_allclose(x, V, atol=1e-9)
+
+
+def test_blanks_between_thousands(read: Callable[..., Log]) -> None:
+    """As Excel writes them in French."""
+    log = read("t;x\n" + "".join(f"{k};1\u202f{k:03d},5\n" for k in range(40)))
+
+    np.testing.assert_array_equal(log.numbers("x"), 1000.5 + np.arange(40))
+
+
+@pytest.mark.parametrize("text", [f"[{v}, {2 * v}]" for v in (0.5,)] + ["(0.5, 1.0,)", "array([0.5 1.0])"])
+def test_lists_in_cells_are_columns(text: str, read: Callable[..., Log]) -> None:
+    """One column for each number of the list."""
+    log = read("t;q\n" + "".join(f"{k};{text}\n" for k in range(20)))
+
+    assert ["t", "q(:,1)", "q(:,2)"] == list(log.columns)
+    assert {0.5} == set(log.numbers("q(:,1)"))
+
+
+def test_nested_objects_in_lines_are_columns(read: Callable[..., Log]) -> None:
+    """Objects within, and lists of one length."""
+    rows = [{"t": k, "motor": {"pos": 2 * k}, "q": [0, 3 * k]} for k in range(40)]
+    log = read("".join(json.dumps(row) + "\n" for row in rows), ".jsonl")
+
+    np.testing.assert_array_equal(log.numbers("pos"), 2 * np.arange(40))
+    np.testing.assert_array_equal(log.numbers("q(:,2)"), 3 * np.arange(40))
+
+
+@pytest.mark.parametrize(
+    "signals",
+    [
+        {
+            "Y": [
+                {"Name": '"Model Root"/"pos"', "Data": Q, "Unit": "rad"},
+                {"Name": "i", "Data": CURRENT, "Unit": "A"},
+            ]
+        },
+        {"scope": {"signals": [{"label": "pos [rad]", "values": Q}, {"label": "i [A]", "values": CURRENT}]}},
+    ],
+    ids=["dSPACE", "Simulink"],
+)  # fmt: skip
+def test_signals_that_hold_their_name(signals: dict[str, Any], tmp_path: Path) -> None:
+    """The names are those of the columns, and no model is in them."""
+    savemat(tmp_path / "log.mat", {"time": T, **signals})
+    log = read_log(tmp_path / "log.mat")
+    position, current = list(log.columns)[1:]
+
+    assert ("angle", "rad", "") == ((n := read_name(position)).quantity, n.unit, n.role)
+    assert ("current", "A") == ((n := read_name(current)).quantity, n.unit)
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [("時間,角度", "cp932"), ("Время,Угол", "cp1251"), ("时间,角度", "gb2312"), ("Zeit,für [°]", "cp1252")],
+)  # fmt: skip
+def test_the_encoding_is_that_of_whole_words(text: str, encoding: str, read: Callable[..., Log]) -> None:
+    """Of files that are no UTF-8."""
+    assert text.split(",") == list(read((text + "\n1,2\n2,3\n3,4\n").encode(encoding)).columns)
+
+
+@pytest.mark.parametrize("line", ["(1.5) can0 141#A100", " can0  141   [2]  A1 00", ";$FILEVERSION=1.1"])
+def test_frames_of_a_bus_are_no_table(line: str, read: Callable[..., Log]) -> None:
+    """What to do is in the message."""
+    with pytest.raises(InputError, match="decode them"):
+        read(f"{line}\n" * 30, ".log")
+
+
+def test_a_resolution_is_a_unit() -> None:
+    """As drives state it: 0.1 rpm for each step."""
+    assert parse_unit("0.1rpm", "").factor == pytest.approx(TURN / 600.0)
+    assert parse_unit("0.01 A", "").factor == pytest.approx(0.01)
+    with pytest.raises(InputError):
+        parse_unit("10 A", "")
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity", "unit", "role"),
+    [
+        ("velocity_turns_s", "speed", "rev/s", ""), ("vel_mrads", "speed", "mrad/s", ""),
+        ("Velocity [cnt/sec]", "speed", "counts/s", ""), ("phase_current", "current", "", ""),
+        ("phase_current_a", "current", "", "other"), ("psu_current_A", "supply", "A", ""),
+        ("Axis_1.StatusDrive.ActualTorque", "torque", "", "measured"), ("simout(:,1)", "", "", ""),
+        ("Prędkość", "speed", "", ""), ("hız", "speed", "", ""), ("전류", "current", "", ""),
+    ],
+)  # fmt: skip
+def test_names_of_tools_and_languages(name: str, quantity: str, unit: str, role: str) -> None:
+    """Quantity, unit and where a column comes from."""
+    found = read_name(name)
+
+    assert (quantity, unit, role) == (found.quantity, found.unit, found.role)
+
+
+def test_turns_by_the_names_of_their_controller(draft: Callable[..., RigDraft]) -> None:
+    """ODrive and moteus log turns; that only their names say so is a doubt."""
+    odrive = proposed(draft(t=T, pos_estimate=Q / TURN, vel_estimate=DQ / TURN, Iq_measured=CURRENT))
+    moteus = proposed(draft(t=T, position=Q / TURN, velocity=DQ / TURN, q_current=CURRENT))
+
+    for found in (odrive, moteus):
+        assert ("rev", "rev/s") == (found["theta_m"][1], found["omega_m"][1])
+        assert all("s unit)" in found[channel][2] for channel in ("theta_m", "omega_m"))
+
+
+def test_turns_without_a_unit_are_a_doubt(draft: Callable[..., RigDraft]) -> None:
+    """An angle and its slope are in turns as well as in radians, as far as a log shows."""
+    found = proposed(draft(t=T, position=Q, velocity=DQ, torque=CURRENT))
+
+    assert "rev (" in found["theta_m"][2]
+    assert "rev/s (" in found["omega_m"][2]
+    assert "counts" not in found["omega_m"][2]
+
+
+def test_the_current_of_a_supply_is_no_drive(draft: Callable[..., RigDraft]) -> None:
+    """It is left out beside that of the motor, asked about alone, and doubted where its name says nothing."""
+    bus = draft(t=T, pos_deg=57.3 * Q, bus_current=0.2 * CURRENT * DQ, phase_current=CURRENT)
+    alone = draft(t=T, pos_deg=57.3 * Q, bus_current=0.2 * CURRENT * DQ)
+    unnamed = draft(t=T, pos_deg=57.3 * Q, Voltage=24.0 + 0.01 * DQ, Current=CURRENT)
+    motor = draft(t=T, pos_deg=57.3 * Q, Voltage=24.0 + 0.01 * DQ, Iq=CURRENT)
+
+    assert "phase_current" == proposed(bus)["current"][0]
+    assert "current" not in proposed(alone)
+    assert "bus_current: the current of the supply" in alone.text
+    assert "the current of the supply" in proposed(unnamed)["current"][2]
+    assert "of the supply" not in proposed(motor)["current"][2]
+
+
+def test_counts_by_an_electrical_speed_are_electrical(draft: Callable[..., RigDraft]) -> None:
+    """A tachometer of steps of commutation has no counts per turn of the shaft."""
+    found = proposed(
+        draft(t=T, tachometer=np.round(Q / TURN * 700), erpm=DQ * 7 * 60 / TURN, motor_current=CURRENT)
+    )
+
+    assert all("pole pairs" in found[channel][2] for channel in ("theta_m", "omega_m"))
+
+
+def test_a_counter_that_overflows_may_be_no_turn(draft: Callable[..., RigDraft]) -> None:
+    """At 65536 counts; at 4096 an angle restarts after a turn."""
+    wide = draft(t=T, encoder=np.round(Q / TURN * 50000) % 65536 - 32768, current=CURRENT)
+    turn = draft(t=T, encoder=np.round(Q / TURN * 4096) % 4096, current=CURRENT)
+
+    assert "16-bit overflow" in proposed(wide)["theta_m"][2]
+    assert "overflow" not in proposed(turn)["theta_m"][2]
+
+
+def test_a_clipped_drive_is_a_doubt(draft: Callable[..., RigDraft]) -> None:
+    """Many rows at the ends of its range."""
+    clipped = draft(t=T, theta=Q, current=np.clip(CURRENT, -1.0, 1.0))
+
+    assert "clipped in" in proposed(clipped)["current"][2]
+    assert "clipped in" not in proposed(draft(t=T, theta=Q, current=CURRENT))["current"][2]
+
+
+def test_a_column_of_masses_names_the_runs(draft: Callable[..., RigDraft]) -> None:
+    """What each carries beyond the least is asked under [added]."""
+    found = draft(t=T, theta=Q, current=CURRENT, mass_kg=np.repeat([0.5, 1.0, 1.5], 1000))
+
+    assert "mass_kg" == proposed(found)["run"][0]
+    assert ['#? "1" = "0.5 kg"', '#? "1.5" = "1 kg"'] == found.text.split("[added]\n")[1].splitlines()[1::2]
