@@ -446,7 +446,7 @@ def _details(
         f"{d.n} drives; the true friction is above gain times the model's at every identified state in"
         f" {int(d.premise.sum())} of them; gain {np.median(d.gain):.3f} (median).",
         "Limit cycles: drives that swing, in the last 2 s of a hold, by over two counts more than without"
-        " compensation; in brackets, those whose true friction is not above. Chatter: rms change of the torque"
+        " compensation; in brackets, those whose true friction does not exceed the compensated one. Chatter: rms change of the torque"
         " from one sample to the next during that time, relative to the Coulomb level. Then the rms tracking error"
         " in mrad. Chatter and errors are medians.",
         "",

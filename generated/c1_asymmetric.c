@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.2.0b1, program 0223e61b).
+ * (eccentric 0.2.0b1, program 32bfc708).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x0223e61bUL
+#if C1_ASYMMETRIC_PROGRAM != 0x32bfc708UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.2.0b1, program 0223e61b).
+ * (eccentric 0.2.0b1, program 32bfc708).
  * Case C1 with friction that differs between the directions of motion.
  */
 /* Start with c1_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,10 +13,10 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0x0223e61bUL
+#define C1_ASYMMETRIC_PROGRAM 0x32bfc708UL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does not
- * link with a model compiled only for the other: all names contain it, as in c1_asymmetric_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. It is part of all names, as in
+ * c1_asymmetric_mechanical_friction_torque_double: code compiled for one cannot use a model compiled only for the other. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.2.0b1, program f3b9c550).
+ * (eccentric 0.2.0b1, program 0dd745e4).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Start with c1_perpendicular_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,10 +13,10 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0xf3b9c550UL
+#define C1_PERPENDICULAR_PROGRAM 0x0dd745e4UL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does not
- * link with a model compiled only for the other: all names contain it, as in c1_perpendicular_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. It is part of all names, as in
+ * c1_perpendicular_mechanical_friction_torque_double: code compiled for one cannot use a model compiled only for the other. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif

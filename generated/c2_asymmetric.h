@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.2.0b1, program c22bb0a7).
+ * (eccentric 0.2.0b1, program e1c37712).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Start with c2_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,10 +13,10 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0xc22bb0a7UL
+#define C2_ASYMMETRIC_PROGRAM 0xe1c37712UL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does not
- * link with a model compiled only for the other: all names contain it, as in c2_asymmetric_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. It is part of all names, as in
+ * c2_asymmetric_mechanical_friction_torque_double: code compiled for one cannot use a model compiled only for the other. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif

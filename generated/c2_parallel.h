@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.2.0b1, program bc376d2e).
+ * (eccentric 0.2.0b1, program 5e2884aa).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 /* Start with c2_parallel_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,10 +13,10 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0xbc376d2eUL
+#define C2_PARALLEL_PROGRAM 0x5e2884aaUL
 
-/* The working precision: double, or float with -DECCENTRIC_REAL=float. Code compiled for one does not
- * link with a model compiled only for the other: all names contain it, as in c2_parallel_mechanical_friction_torque_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. It is part of all names, as in
+ * c2_parallel_mechanical_friction_torque_double: code compiled for one cannot use a model compiled only for the other. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif

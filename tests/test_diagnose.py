@@ -112,13 +112,13 @@ def test_what_repeats_with_an_angle_is_named_once_it_has(periods: float) -> None
     assert "motor" in found["undeclared_parts"]
 
 
-@pytest.mark.parametrize("reach", [2.9, 0.3])
+@pytest.mark.parametrize("reach", [2.9, 0.9, 0.1])
 def test_a_tight_spot_is_named_where_the_joint_passes_it_whole(reach: float) -> None:
     """No joint that ends before a full turn would get one otherwise; over a part of a bump any curve fits."""
-    log = swung(reach, lambda theta, way: 0.015 * way * np.exp(-0.5 * ((theta - 0.1 * reach) / 0.15) ** 2))
+    log = swung(reach, lambda theta, way: 0.015 * way * np.exp(-0.5 * ((theta - 0.1 * reach) / 0.12) ** 2))
     found = found_in(log, 1.0)
 
-    assert (["local_defect"] if reach > 1.0 else []) == [effect["family"] for effect in found["effects"]]
+    assert (["local_defect"] if reach > 0.5 else []) == [effect["family"] for effect in found["effects"]]
 
 
 def test_leaves_a_control_alone(tmp_path: Path) -> None:

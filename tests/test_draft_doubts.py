@@ -139,6 +139,16 @@ def test_the_registers_of_a_servo_are_read_by_their_ratio() -> None:
     assert any("tenths of a volt" in doubt for doubt in draft.doubts)
 
 
+@pytest.mark.parametrize("counts", [1632.67, 979.6, 2048.0])
+def test_counts_behind_a_gear_are_not_rounded(counts: float) -> None:
+    """48 counts at the motor and 34.014:1 are no number of an encoder."""
+    log = swing("q_deg", 180.0 / np.pi)
+    log["speed (cnt/s)"] = np.gradient(log["q_deg"], log["t_s"]) * counts / 360.0
+    rig = tomllib.loads(eccentric.draft_rig(log).text)
+
+    assert rig["encoder_counts_per_rev"] == pytest.approx(counts, rel=2e-3)
+
+
 def test_a_signal_and_a_filtered_copy_without_names_are_no_voltage_and_current() -> None:
     """A voltage has a part of the speed that the current has not."""
     log = swing("q_rad", 1.0)

@@ -340,7 +340,7 @@ def test_the_next_measurement_is_that_of_the_verdict(
     ("found", "expected"),
     [
         (NextMeasurement("vary", "of_a"), "Change the of a alone, in five steps"),
-        (BETWEEN, "separates what a is from b: other speeds"),
+        (BETWEEN, "separates what a is from b: speeds, loads"),
         (replace(BETWEEN, constant_first=True), "Declare k_i under [known] first"),
         (replace(BETWEEN, one_way=True), "Log both directions first"),
         (NextMeasurement("correct"), "Correct the rig file or the log first."),

@@ -94,7 +94,7 @@ class Draft:
 
 
 _UNSIGNED_SPEED = (
-    "never negative, without slowing down to zero: if the shaft turns both ways, its sign is missing"
+    "never negative, and it reaches zero at full rate: if the shaft turns both ways, its sign is missing"
 )
 
 
@@ -437,7 +437,7 @@ def _beside_supply(
     supply = supply or next(steady, None)
     if supply is None:
         return drives
-    said = f"beside {supply.text}: {OF_SUPPLY}?"
+    said = f"a supply current? {supply.text} is logged"
     return [
         p.doubted(said) if p.channel == "current" and not is_of_motor(left[p.source].name) else p
         for p in drives
@@ -534,10 +534,8 @@ def _channels(
         ):
             doubts.append(f"turn or {math.log2(given.wrap):g}-bit overflow?")
         also = _others(found, what, unit) if sure < limits.SURE else []
-        turn = (
-            {f"{r.counts:.6g}" for r in found if r.weight > 0.02 and r.counts} if unit == "counts" else set()
-        )
-        if sure < limits.SURE and len(turn) > 1:
+        turn = {f"{r.counts:.6g}" for r in found if r.weight > 0.02 and r.counts} - {f"{best.counts:.6g}"}
+        if sure < limits.SURE and unit == "counts" and turn:
             also.append(f"{' or '.join(sorted(turn))} counts per turn")
         if also:
             doubts.append(f"could also be {' or '.join(also)}")
@@ -553,6 +551,7 @@ def _channels(
             channel, column.text, unit, tuple(said), sure, "; ".join(doubts), by_gravity=by_gravity
         )
         if unit == REGISTER:
+            found_in = found_in.doubted(f"{REGISTER} (Dynamixel X): check")
             source = f"{quoted(column.text)} * 0.229"
             found_in = replace(found_in, source=source, unit="rpm", reads=(column.text,))
         proposals.append(found_in)

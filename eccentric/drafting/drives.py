@@ -27,7 +27,7 @@ KINDS = ("current", "torque", "voltage")
 
 
 CONSTANT = "it is constant"
-SET = "a set value by its name"
+SET = "a set point by its name"
 
 
 @dataclass(frozen=True)
@@ -371,7 +371,8 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
     if name.word in CONTROLS:
         doubts.append("the output of a controller: the log does not show its quantity or its scale")
     levels, values = one.column.levels, one.column.values
-    clipped = float(np.mean((values == levels[0]) | (values == levels[-1])))
+    ends = [end for end in (levels[0], levels[-1]) if end != 0.0]
+    clipped = float(np.mean(np.isin(values, ends)))
     if len(levels) > limits.FEW_VALUES and clipped > limits.CLIPPED:
         doubts.append(f"clipped in {100 * clipped:.0f} % of rows?")
     if name.word == "effort":

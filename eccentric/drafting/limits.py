@@ -65,6 +65,10 @@ GRAVITY = 0.02
 average out over both directions."""
 DRIFTS, GRAVITY_OR_DRIFT = 2.0, 0.1
 """Periods in the travel up to which a drift can be read as a swing, and what gravity has to explain there."""
+SAME_COUNTS = 0.003
+"""Relative difference of measured counts per turn from a number that encoders have: gears make others."""
+HIGHEST_SUPPLY = 60.0
+"""Small drives seldom have a supply above this [V]."""
 LOW, FEW_VISITS = 0.05, 3
 """Part of the largest speed that counts as near zero, and how often one without a sign gets there."""
 BOTH_WAYS = 0.05

@@ -16,8 +16,6 @@ from eccentric.drafting.words import is_of_supply
 
 _FAHRENHEIT = re.compile(r"(?<![A-Za-z])(°|[Dd]eg ?)?F\W*$|(?i:fahrenheit|(?<![a-z])deg ?f\W*$)")
 """A small f alone is of "filtered" or "front"."""
-_HIGHEST = 60.0
-"""Small drives seldom have a supply above this [V]."""
 
 
 def find_slow(columns: Sequence[LoggedColumn]) -> tuple[Proposal | None, LoggedColumn | None]:
@@ -90,7 +88,11 @@ def find_voltage(columns: Sequence[LoggedColumn], supply: LoggedColumn | None) -
         said, reads = "duty cycle times supply, by their names", (duty.text, supply.text)
         sure_of = 0.9 if sure else 0.7
     found = Proposal("voltage", text, "V", (said,), sure_of, "" if sure else doubt, reads=reads)
-    if supply is not None and not supply.name.unit and (level := float(np.median(supply.values))) > _HIGHEST:
+    if (
+        supply is not None
+        and not supply.name.unit
+        and (level := float(np.median(supply.values))) > limits.HIGHEST_SUPPLY
+    ):
         found = found.doubted(
             f"{supply.text} is taken in V, {level:.4g}: a register may have tenths of a volt"
         )

@@ -295,7 +295,8 @@ def _score(column: LoggedColumn, ends: NDArray[np.bool_]) -> float:
     if usual <= 0.0:
         return 0.0
     uneven = float(np.median(np.abs(np.diff(steps)))) / usual
-    other = 0.1 if column.name.weak or column.name.quantity == "other" else 0.0
+    also = "time" in column.text.lower() or column.name.unit in SECONDS
+    other = 0.1 if column.name.weak or column.name.quantity == "other" or also else 0.0
     named = {"time": 3.0, "": 1.0}.get(column.name.quantity, other)
     return named / (1.0 + 4.0 * uneven)
 
@@ -322,10 +323,11 @@ TURN = 2.0 * math.pi
 _ANGLES = {"rad": 1.0, "deg": TURN / 360.0, "rev": TURN, "mrad": 1e-3}
 _SPEEDS = {"rad/s": 1.0, "rpm": TURN / 60.0, "deg/s": TURN / 360.0, "rev/s": TURN}
 REGISTER = "0.229 rpm"
-"""What one of `present_velocity` is in the servos that have registers of such names (Dynamixel X and P)."""
+"""What one of `present_velocity` is in servos of the series Dynamixel X."""
+_OF_REGISTER = re.compile(r"present[ _]?velocity$", re.IGNORECASE)
 _PRIOR = {
     "rad": 1.0, "deg": 0.7, "counts": 0.6, "rev": 0.1, "mrad": 0.005,
-    "rad/s": 1.0, "rpm": 0.7, "deg/s": 0.5, "rev/s": 0.1, "counts/s": 0.1, "0.229 rpm": 3.0,
+    "rad/s": 1.0, "rpm": 0.7, "deg/s": 0.5, "rev/s": 0.1, "counts/s": 0.1, "0.229 rpm": 1.0,
 }  # fmt: skip
 _SAME = {"turn": "rev", "degree": "deg", "degrees": "deg", "°": "deg", "turn/s": "rev/s"}
 _USUAL = {
@@ -393,7 +395,7 @@ def readings(given: Shown) -> list[Reading]:
     """All readings, best first; their weights add up to 1."""
     angles = [""] if given.angle is None else _units_of(given.angle, [*_ANGLES, "counts"], "rad")
     speeds = [""] if given.speed is None else _units_of(given.speed, [*_SPEEDS, "counts/s"], "rad/s")
-    if given.speed is not None and given.speed.is_whole and "present" in given.speed.text.lower():
+    if given.speed is not None and given.speed.is_whole and _OF_REGISTER.search(given.speed.text):
         speeds = [*speeds, REGISTER]
     found = [
         reading
@@ -448,8 +450,8 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
     told = given.speed is not None and given.speed.name.unit == "counts/s"
     if told and speed == "counts/s" and angle != "counts" and given.factor and unit:
         turn = TURN * abs(given.factor) / (unit * later)
-        counts = nice_counts(turn, limits.FACTOR)
-        why["speed"] += (f"by the slope of the angle a turn has {turn:.6g} counts",) if counts else ()
+        counts = nice_counts(turn, limits.SAME_COUNTS) or turn
+        why["speed"] += (f"by the slope of the angle a turn has {turn:.6g} counts",)
     of_count = TURN / counts if counts else unit
     per = of_count if speed == "counts/s" else _factor(speed, _SPEEDS)
     ratio = 1.0
@@ -459,7 +461,7 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
             why["speed"] += (f"{given.speed.name.unit} by {_source(given.speed.name)}",)
         # Counts of one encoder are compared without their size.
         alike = speed == "counts/s" and angle == "counts"
-        weight *= 1e-4 if speed == "counts/s" and angle not in ("", "counts") else 1.0
+        weight *= 1e-4 if speed == "counts/s" and angle not in ("", "counts") and not told else 1.0
         if given.factor and (alike or (unit and per)):
             off = abs(given.factor) / later * (1.0 if alike else per / unit)
             factor, ratio, said = _slope(off, given.factor, gear)

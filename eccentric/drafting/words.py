@@ -24,12 +24,12 @@ _WORDS = {
     " hoek positie vinkel kat polozenie uhel poloha aci konum 각도 위치 角度 位置 угол положение θ ϑ φ ϕ",
     "speed": "omega w speed spd vel velo velocity drehzahl dq qd qdot thetadot dtheta rpm geschwindigkeit"
     " n om vitesse velocidad velocidade velocita phidot dphi gyro angularvelocity qvel erpm giri"
-    " snelheid toerental hastighet predkosc rychlost hiz hız 속도 转速 速度 回転数"
+    " snelheid toerental hastighet predkosc rychlost hiz 속도 转速 速度 回転数"
     " скорость ω",
     "acceleration": "acc accel acceleration qdd ddq qddot ddot ddtheta thetaddot beschleunigung qacc a"
     " 加速度",
     "current": "i iq current curr cur strom amps ampere amp amperage isense imot motorstrom isq corriente"
-    " corrente courant stroom prad proud akim akım 전류 电流 電流 ток",
+    " corrente courant stroom prad proud akim 전류 电流 電流 ток",
     "voltage": "u uq vq voltage volt volts spannung umot vmot v klemmenspannung usq tension"
     " tensione tensao voltaje vmotor spanning napiecie napeti gerilim 전압 电压 電圧 напряжение"
     " pidout pidoutput controlleroutput controloutput controlsignal manipulatedvariable stellgroesse"
@@ -38,8 +38,8 @@ _WORDS = {
     " koppel vridmoment tork qfrc 토크 转矩 扭矩 力矩 トルク момент τ",
     "temperature": "temp temperature temperatures temperatur temperatura celsius tmot 温度 температура",
     "supply": "supply psu vsupply bus vbus vdc battery vbat batt bat iin dclink vin ubat zwischenkreis mains"
-    " mainvoltage batterycurrent sourcecurrent linecurrent buscurrent supplycurrent psucurrent"
-    " dccurrent ubus ibus idc udc inputvoltage voltagein inputcurrent currentin",
+    " mainvoltage batterycurrent sourcecurrent buscurrent supplycurrent psucurrent"
+    " ubus ibus idc udc inputvoltage voltagein inputcurrent currentin",
     "duty": "pwm duty dutycycle motorpwm",
     "direction": "direction dir drehrichtung richtung sign cw ccw clockwise",
     "run": "run trial experiment versuch lauf series record test messung",
@@ -61,7 +61,9 @@ _ROLES = {
     " daxis dcurrent dvoltage",
     "computed": "model modelled modeled predicted prediction predict pred computed calc calculated"
     " calculation simulated simulation sim fitted ideal theoretical theory expected rigid rnea"
-    " coriolis gravity friction fric reibung feedforward ff compensation dahl stribeck lugre coulomb viscous"
+    ""
+    " qfrcbias qfrcpassive qfrcconstraint coriolis gravity gravcomp friction fric reibung feedforward ff"
+    " compensation dahl stribeck lugre coulomb viscous"
     " maxwell gms leuven pinn nnfm lstm gru mlp rnn tcn cnn transformer svm svr gpr neural network xgboost"
     " residual resid residuum droop error err diff deviation delta lag abweichung schleppfehler"
     " schleppabstand regelabweichung external ext limit limits lim max min maximum minimum upper lower"
@@ -70,7 +72,7 @@ _ROLES = {
     " setpoint setvalue setpos setvelo settorque desired des soll sollwert demand demanded des wanted"
     " request requested req planned plan trajectory traj profile nominal action actions ctrl inputpos"
     " inputvel controllerinput consigne consigna referencia riferimento 目标 目標 指令 给定",
-    "electrical": "erpm electrical elec el eangle thetae elektrisch elektrische",
+    "electrical": "erpm electrical elec elangle eangle eltheta thetae elspeed elektrisch elektrische",
     "filtered": "filtered filt averaged avg smoothed smooth lowpass clean gefiltert",
     "estimated": "estimate estimated est hat observer observed obs kalman ekf ukf",
     "measured": "measured mess gemessen meas measurement mes actual act feedback fb fbk ist istwert sensed"
@@ -224,16 +226,18 @@ def read_name(text: str, unit: str = "") -> Name:
         named.insert(0, (_OF_WORD[joined], joined))
     if [w for w in words if not w.isdigit()][-1:] == ["effort"]:
         named.append(("torque", "effort"))
-    role = _role(plain, words, pairs)
+    role = _role(text, plain, words, pairs)
     by_suffix = "" if given else dimension_of(found)
-    fits = not named or any(by_suffix in ("", q) or (q, by_suffix) in _COMPATIBLE for q, _ in named)
-    if not fits and (by_suffix == "time" or len(found) == 1):
+    told = [q for q, _ in named if q in (*_KINDS, "supply") and q != "time"]
+    fits = not told or any(by_suffix in ("", q) or (q, by_suffix) in _COMPATIBLE for q in told)
+    if not fits and (by_suffix == "time" or _LETTER.search(text)):
         found = ""  # of speed_ms, AxisPos_A1, U_A
     quantity, word = _chosen(named, found)
-    if word in ("tick", "ticks") and {*words} & {"left", "right", "wheel", "l", "r", *_MOTOR, *_LINK}:
+    sided = {*words} & {"left", "right", "wheel", "l", "r", *_MOTOR, *_LINK}
+    if word in ("tick", "ticks") and sided and not found:
         quantity, found = "angle", "counts"
-    if not named and words[:1] in (["ms"], ["us"]):
-        quantity, word, found = "time", words[0], words[0]  # ms_today
+    if not named and words[:1] == ["ms"] and not found:
+        quantity, word, found = "time", "ms", "ms"  # ms_today
     if not named and words[:1] == ["f"]:
         quantity, word = "torque", "f"
     if not named and words[:1] == ["m"] and role in ("measured", "set"):
@@ -249,6 +253,7 @@ def read_name(text: str, unit: str = "") -> Name:
 
 _NO_UNITS = frozenset({"min", "hz", "count", "counts", "cnt", "inc", "ticks", "grad", "rev", "rads"})
 """Units that are names of other things where they are the whole name of a column."""
+_LETTER = re.compile(r"(?<![A-Za-z])[A-Z]\d*$|(?<=[a-z])[A-Z]\d+$")
 _OUTPUT = re.compile(r"^(out\.|simout|yout|\"?model root\"?/)+", re.IGNORECASE)
 """What Simulink calls what holds all outputs, and dSPACE all signals: no side of a gear, and no model's."""
 
@@ -304,16 +309,16 @@ def _parts(word: str) -> tuple[str, ...]:
     return (word,)
 
 
-def _role(plain: str, words: Sequence[str], pairs: Sequence[str]) -> str:
+def _role(text: str, plain: str, words: Sequence[str], pairs: Sequence[str]) -> str:
     """Where a column comes from, as its words say."""
     # "phase_current" is the motor's, "phase current A" that of one of three windings.
-    whole = "phasecurrent" in pairs and not {*"abcuvw123"} & set(words)
+    whole = "phasecurrent" in pairs and not re.search(
+        r"(?<![a-z])[abcuvw]\d?$|[123]$", text.strip(), re.IGNORECASE
+    )
     said = {_OF_ROLE[w] for w in (*words, *pairs) if w in _OF_ROLE and not (whole and w == "phase")}
-    # Of "Axis.StatusDrive.ActualTorque": what holds a signal says less than its own name.
-    if {"other", "measured"} <= said and "measured" in {_OF_ROLE.get(w) for w in words[-2:]}:
-        said.discard("other")
     if "status" in words and any(_OF_WORD.get(w) in _KINDS for w in words[words.index("status") :]):
-        said.discard("other")  # status.current
+        # Axis.StatusDrive.ActualTorque
+        said = {_OF_ROLE[w] for w in (*words, *pairs) if w in _OF_ROLE and w != "status"}
     # Of q_d, i_d: desired, or the d axis; rotation/w: a part of a quaternion.
     if re.search(r"[a-z0-9]_d(?![a-z])", plain, re.IGNORECASE) and "d" in words[1:]:
         said.add("set")
@@ -363,20 +368,21 @@ def made_by(names: Iterable[str]) -> dict[str, tuple[str, str]]:
 
 def is_of_supply(name: Name) -> bool:
     """Whether it is a current of the supply, which is not that of the motor."""
-    return name.quantity == "supply" and (is_like(name.unit, "A") or bool(_CURRENT.search(name.text)))
+    by_word = not name.unit and bool(_CURRENT.search(name.text))
+    return name.quantity == "supply" and (is_like(name.unit, "A") or by_word)
 
 
-_CURRENT = re.compile(r"curr|amp|strom|ibus|idc|(?<![a-z])i(?![a-z])", re.IGNORECASE)
-_MOTOR_CURRENT = frozenset({"q", "phase", "armature", "winding", "joint", "axis"})
+_CURRENT = re.compile(
+    r"curr|(?<![a-z])amp(s|ere|erage)?(?![a-z])|strom|ibus|idc|iin|(?<![a-z])i(?![a-z])", re.IGNORECASE
+)
+_OF_MOTOR = re.compile(
+    r"(?<![a-z])i?q(?![a-z])|isq|imot|motor|phase|armature|winding|joint|axis", re.IGNORECASE
+)
 
 
 def is_of_motor(name: Name) -> bool:
     """Whether a current is that of the motor, by its name."""
-    return (
-        name.side != ""
-        or (len(name.word) > 1 and name.word in ("iq", "isq", "imot", "motorstrom"))
-        or bool(_MOTOR_CURRENT & {*name.whose.split()})
-    )
+    return name.side != "" or bool(_OF_MOTOR.search(name.text))
 
 
 def of_a_carriage(unit: str) -> bool:

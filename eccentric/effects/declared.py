@@ -72,7 +72,7 @@ def resistance_off(part: sp.Expr) -> Plausible:
         79.0,
         HOT,
         "the true resistance minus the declared one",
-        above="the winding is not the only cause: cable, brushes, or another winding",
+        above="cable or brushes add to it, or it is another winding",
         below="another winding",
     )
 

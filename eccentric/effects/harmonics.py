@@ -287,8 +287,10 @@ def kt_ripple(setting: Setting) -> Iterator[Effect]:
 def local_defect(setting: Setting) -> Iterator[Effect]:
     """The one effect of the family, a von Mises bump; cos x - 1 is written as -2 sin^2(x/2).
 
-    It has been passed once the link has moved by four widths: a joint need not turn round for that.
+    It has been passed once the link has moved by four widths: a joint need not turn round for that, and no
+    wider one is searched.
     """
+    widest = min(0.5, 0.49 * math.pi * abs(setting.mu) * setting.turns or 0.5)
     unit = setting.link_radian
     A = nonnegative("defect_A", "N m", "friction torque of the tight spot", "A")
     angle = quantity("defect_angle", unit, "link angle at the tight spot", letter="theta_0")
@@ -302,7 +304,7 @@ def local_defect(setting: Setting) -> Iterator[Effect]:
         formula="A exp((cos(theta_l - theta_0) - 1)/sigma^2) sgn w",
         reference="N. Tandon and A. Choudhury, Tribology International 32(8), 1999; bump: R. von"
         " Mises, Physikalische Zeitschrift 19, 1918",
-        shapes=(Shape(angle, -3.2, 3.2, "linear", 38), Shape(width, 0.06, 0.5, "log", 4)),
+        shapes=(Shape(angle, -3.2, 3.2, "linear", 38), Shape(width, 0.06, max(widest, 0.07), "log", 4)),
         inputs=(v.theta_m,),
         per_turn=sp.pi * mu / (2 * width.symbol),
         words=Words(

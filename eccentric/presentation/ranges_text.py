@@ -72,7 +72,7 @@ def ruled_out_sentence(found: Diagnosis) -> str:
         return f"{name[0].upper()}{name[1:]} explains more of it, but it needs {needs}."
     return (
         f"{name[0].upper()}{name[1:]} explains more of it, but the log travels only"
-        f" {best.periods_seen(found.setting):.2g} of its period: over so little, any curve looks like it."
+        f" {best.periods_seen(found.setting):.2g} of the angle that tells it from other curves."
     )
 
 

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_asymmetric.c (program 0223e61b).
+ * Generated: do not edit. Belongs to c1_asymmetric.c (program 32bfc708).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_perpendicular.c (program f3b9c550).
+ * Generated: do not edit. Belongs to c1_perpendicular.c (program 0dd745e4).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_asymmetric.c (program c22bb0a7).
+ * Generated: do not edit. Belongs to c2_asymmetric.c (program e1c37712).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

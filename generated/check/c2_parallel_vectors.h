@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_parallel.c (program bc376d2e).
+ * Generated: do not edit. Belongs to c2_parallel.c (program 5e2884aa).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

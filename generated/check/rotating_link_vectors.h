@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to rotating_link.c (program 916b970f).
+ * Generated: do not edit. Belongs to rotating_link.c (program 30cb9e54).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u
