@@ -73,6 +73,30 @@ TABLES = {
         lines("%s -> t:%.3f x:%.4f", CLOCK, X, V),
         {"time": "s", "t": "", "x": ""},
     ),
+    "labels after a stamp in brackets": (
+        lines("[INFO] [%d.5] [node]: t: %.3f, x: %.4f", range(40), X, V),
+        {"column 1": "", "t": "", "x": ""},
+    ),
+    "labels after a tag and a stamp": (
+        lines("I (%d) motor: t=%.3f x=%.4f", range(40), X, V),
+        {"column 1": "", "t": "", "x": ""},
+    ),
+    "labels after a stamp with a unit": (
+        lines("[%d ms] t: %.3f x: %.4f", range(40), X, V),
+        {"column 1": "ms", "t": "", "x": ""},
+    ),
+    "labels after the time with a label": (
+        lines("Time: %s t: %.3f x: %.4f", CLOCK, X, V),
+        {"time": "s", "t": "", "x": ""},
+    ),
+    "labels with units between blanks": (
+        lines("T: %.1f °C t: %.3f s x: %.4f rad", V, X, V),
+        {"T": "°C", "t": "s", "x": "rad"},
+    ),
+    "labels of several words": (
+        lines("max v: %.1f m/s - motor t: %.3f min x: %.4f", V, X, V),
+        {"max v": "m/s", "motor t": "", "min x": ""},
+    ),
     "exponents of Fortran": (
         "t,x\n" + lines("%.8e,%.8e", X, V).replace("e", "D"),
         {"t": "", "x": ""},
@@ -103,6 +127,44 @@ def test_a_form_of_text_is_read(name: str, read: Callable[..., Log]) -> None:
     assert {n: u for n, u in units.items() if u} == dict(log.units)
     np.testing.assert_allclose(t, X, atol=1e-9)
     np.testing.assert_allclose(x, V, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["t=0,010; pos=1,5; cur=0,2; end=1", "t:1,000 x:0 y:0", "t=1.5.3 x=2 y=3", "x: 1 2 3 y: 4",
+     "state:IDLE t:1 x:2", "state: IDLE t:1 x:2", "t:1 state:IDLE x:2", "t:1 x:2 state:IDLE",
+     '{"state": "IDLE", "x": 1, "y": 3}', "pos: [1] vel: 3 x: 4", "phase: 0 A current: 1 B current: 2",
+     "1,kp=1.5 ki=0.2,9", "(1) [2] x: 3 y: 4"],
+)  # fmt: skip
+def test_labels_do_not_hide_other_values(line: str, read: Callable[..., Log]) -> None:
+    """Decimal commas, text after a label, lists and cells of a table are not read in part."""
+    with pytest.raises(InputError, match="header row with column names"):
+        read(f"{line}\n" * 40)
+
+
+def test_other_words_before_labels_are_in_a_note(read: Callable[..., Log]) -> None:
+    """A state that changes is no column, and is not dropped unsaid."""
+    log = read("IDLE, t:0, x:2\n" * 20 + "RUN, t:0, x:2\n" * 20)
+
+    assert ("left out, before the labels: IDLE, RUN",) == log.notes
+
+
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [
+        ("t,note,cur", "%d,kp=1.5 ki=0.2,9"),
+        ("t,pose,cur", "%d,\"{'x': 1.5, 'y': 2.5}\",9"),
+        ("t,pose", "%d,\"{'x': 1.5, 'y': 2.5}\""),
+        ("t,note,cur", '%d,"pos: 3 limit: 5",9'),
+        ("t,a,b", "%d,A:1,B:2"),
+    ],
+)
+def test_labels_within_the_cells_of_a_table_are_text(header: str, row: str, read: Callable[..., Log]) -> None:
+    """The columns are those of the header."""
+    log = read(f"{header}\n" + lines(row, range(500)))
+
+    assert header.split(",") == list(log.columns)
+    np.testing.assert_array_equal(log.numbers("t"), np.arange(500))
 
 
 def test_blanks_between_thousands(read: Callable[..., Log]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 import re
@@ -140,7 +141,7 @@ def cells_to_column(name: str, cells: Sequence[str], sign: Sign) -> tuple[Column
     if column.dtype.kind == "f":
         return _counter(name, cells, column)
     if len(units := {one[2] if (one := _WITH_UNIT.fullmatch(c)) else "" for c in given}) == 1 and (
-        unit := _as_unit(units.pop())
+        unit := as_unit(units.pop())
     ):
         found = [_WITH_UNIT.fullmatch(cell) for cell in cells]
         return column_of([one[1] if one else "" for one in found]), unit, ""
@@ -175,7 +176,8 @@ def plain_column(cells: Sequence[str], sign: Sign) -> Column:
     return column_of([_with_point(cell, sign) for cell in cells])
 
 
-def _as_unit(text: str) -> str:
+@functools.lru_cache(maxsize=256)
+def as_unit(text: str) -> str:
     """A unit as cells and MATLAB's durations spell it; "" for none."""
     one = {"sec": "s", "secs": "s", "msec": "ms", "hr": "h", "C": "degC"}.get(text, text)
     with suppress(InputError):

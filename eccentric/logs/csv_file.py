@@ -78,7 +78,7 @@ def read_text(whole: str, path: Path) -> Read:
     rows = 1 + max(whole.count("\n"), whole.count("\r"))
     require_room_for_text(path, whole, rows, rows + sum(map(whole.count, ",;\t")))
     text = io.StringIO(plainly(whole), newline="").readlines()
-    if has_labels(text[: limits.LAYOUT_LINES]) and (labelled := of_labels(text)) is not None:
+    if _is_labelled(text[: limits.LAYOUT_LINES]) and (labelled := of_labels(text)) is not None:
         return labelled
     if _is_markdown(text[: limits.LAYOUT_LINES]):
         text = ["\n" if _RULE.fullmatch(line) else line.strip().strip("|") + "\n" for line in text]
@@ -110,7 +110,7 @@ def csv_source(path: Path) -> InParts | None:
     try:
         with _csv_errors(path):
             lines = _first_lines(path, limits.LAYOUT_LINES)
-            if has_labels(lines) or plainly(first := "".join(lines)) != first:
+            if _is_labelled(lines) or plainly(first := "".join(lines)) != first:
                 return None
             layout = _start(path, lines)
             if _is_markdown(lines) or layout.clocks or layout.units or not _plain(path, layout):
@@ -184,6 +184,15 @@ def _start(path: Path, text: Sequence[str]) -> Layout:
             path, "a header row with column names, and rows below it", f"{line!r} in line {skipped + 1}"
         )
     return Layout(_header(names, path), delimiter, before)
+
+
+def _is_labelled(lines: Sequence[str]) -> bool:
+    """Whether most lines are labelled numbers, and the first is no header of a table whose cells are such."""
+    if not has_labels(lines):
+        return False
+    first = next(k for k, line in enumerate(lines) if is_content(line))
+    names, delimiter, is_row = _names(lines[first - 1] if first else "", lines[first])
+    return not is_row and not _is_table(names, delimiter, lines[first + 1 :])
 
 
 def _is_table(names: Sequence[str], delimiter: str, below: Sequence[str]) -> bool:
