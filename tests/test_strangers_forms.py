@@ -183,6 +183,17 @@ def test_lists_in_cells_are_columns(text: str, read: Callable[..., Log]) -> None
     assert {0.5} == set(log.numbers("q(:,1)"))
 
 
+@pytest.mark.parametrize("text", ["(0.5)", "(1,234)", "(1,5)", "(1,234.5)"])
+def test_a_number_in_parentheses_is_no_list(text: str, read: Callable[..., Log]) -> None:
+    """It may be negative, as in accounts."""
+    assert {text} == set(read("t;q\n" + f"1;{text}\n" * 20).columns["q"].tolist())
+
+
+def test_a_list_of_one_number_is_a_column(read: Callable[..., Log]) -> None:
+    """Brackets are no sign."""
+    assert {0.5} == set(read("t;q\n" + "1;[0.5]\n" * 20).numbers("q(:,1)"))
+
+
 def test_nested_objects_in_lines_are_columns(read: Callable[..., Log]) -> None:
     """Objects within, and lists of one length."""
     rows = [{"t": k, "motor": {"pos": 2 * k}, "q": [0, 3 * k]} for k in range(40)]
@@ -190,6 +201,24 @@ def test_nested_objects_in_lines_are_columns(read: Callable[..., Log]) -> None:
 
     np.testing.assert_array_equal(log.numbers("pos"), 2 * np.arange(40))
     np.testing.assert_array_equal(log.numbers("q(:,2)"), 3 * np.arange(40))
+
+
+def test_records_with_a_label_keep_their_columns(read: Callable[..., Log]) -> None:
+    """They are no signals: each has fewer values than there are records."""
+    rows = [{"t": k, "label": f"r{k}", "values": [1, 2, 3 * k]} for k in range(40)]
+    log = read("".join(json.dumps(row) + "\n" for row in rows), ".jsonl")
+
+    np.testing.assert_array_equal(log.numbers("t"), np.arange(40))
+    np.testing.assert_array_equal(log.numbers("values(:,3)"), 3 * np.arange(40))
+
+
+def test_signals_of_ragged_lists_are_left_out(read: Callable[..., Log]) -> None:
+    """With a note, as other lists that are no columns."""
+    ragged = [{"label": name, "values": [[1], [1, 2]]} for name in "ab"]
+    log = read(json.dumps({"t": list(range(40)), "s": ragged}), ".json")
+
+    assert "t" in log.columns
+    assert any("neither numbers nor text" in note for note in log.notes)
 
 
 @pytest.mark.parametrize(
@@ -217,14 +246,40 @@ def test_signals_that_hold_their_name(signals: dict[str, Any], tmp_path: Path) -
 
 @pytest.mark.parametrize(
     ("text", "encoding"),
-    [("時間,角度", "cp932"), ("Время,Угол", "cp1251"), ("时间,角度", "gb2312"), ("Zeit,für [°]", "cp1252")],
+    [("時間,角度", "cp932"), ("Время,Угол", "cp1251"), ("时间,角度", "gb2312"), ("Zeit,für [°]", "cp1252"),
+     ("時間(秒),角度(°)", "cp932"), ("時間 s,電流A,温度[℃]", "cp932"), ("t,für,Ä,²", "cp1252"),
+     ("Время [с],Угол [рад],Ток [А]", "cp1251"), ("Время_с,Скорость (об/мин),Угол °", "cp1251")],
 )  # fmt: skip
 def test_the_encoding_is_that_of_whole_words(text: str, encoding: str, read: Callable[..., Log]) -> None:
     """Of files that are no UTF-8."""
-    assert text.split(",") == list(read((text + "\n1,2\n2,3\n3,4\n").encode(encoding)).columns)
+    names = text.split(",")
+    rows = lines(",".join(["%d"] * len(names)), *[range(3)] * len(names))
+
+    assert names == list(read(f"{text}\n{rows}".encode(encoding)).columns)
 
 
-@pytest.mark.parametrize("line", ["(1.5) can0 141#A100", " can0  141   [2]  A1 00", ";$FILEVERSION=1.1"])
+@pytest.mark.parametrize(
+    ("header", "encoding"), [("Время, с;Угол, рад;Ток, А", "cp1251"), ("t, s;q, rad;i, A", "ascii")]
+)
+def test_units_after_commas_between_semicolons(header: str, encoding: str, read: Callable[..., Log]) -> None:
+    """Commas in the header, and decimal ones in the rows, part no columns."""
+    log = read((f"{header}\n" + "0,5;1,5;2,5\n" * 20).encode(encoding))
+
+    assert header.split(";") == list(log.columns)
+    assert [0.5, 1.5, 2.5] == [log.numbers(name)[0] for name in log.columns]
+
+
+@pytest.mark.parametrize("row", ["1,2;3", "0.1,1;2;3"])
+def test_semicolons_in_cells_between_commas(row: str, read: Callable[..., Log]) -> None:
+    """The header decides."""
+    assert {row.split(",")[1]} == set(read("t,list\n" + f"{row}\n" * 20).columns["list"].tolist())
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["(1.5) can0 141#A100", " can0  141   [2]  A1 00", ";$FILEVERSION=1.1",
+     "date Sat Nov 28 10:00:00.000 am 2026", "date Sat Nov 28 10:00:00.000 am 2026\r"],
+)  # fmt: skip
 def test_frames_of_a_bus_are_no_table(line: str, read: Callable[..., Log]) -> None:
     """What to do is in the message."""
     with pytest.raises(InputError, match="decode them"):
@@ -235,6 +290,8 @@ def test_a_resolution_is_a_unit() -> None:
     """As drives state it: 0.1 rpm for each step."""
     assert parse_unit("0.1rpm", "").factor == pytest.approx(TURN / 600.0)
     assert parse_unit("0.01 A", "").factor == pytest.approx(0.01)
+    assert parse_unit("0.1 K", "").to_si(2981.5) == pytest.approx(25.0)
+    assert parse_unit("0.1 °C", "").to_si(250.0) == pytest.approx(25.0)
     with pytest.raises(InputError):
         parse_unit("10 A", "")
 

@@ -269,11 +269,19 @@ _LIST = re.compile(r"\s*(?:array)?[(\[]+\s*([^\[\]()]*?)[,\s]*[)\]]+\s*")
 
 
 def lists_of(cells: Sequence[str]) -> NDArray[np.float64] | None:
-    """Cells that each hold as many numbers in brackets, as arrays print, (n, numbers); None for others."""
+    """Cells that each hold as many numbers in brackets, as arrays print, (n, numbers); None for others.
+
+    One number in parentheses may be a negative one, as in accounts.
+    """
     first = _LIST.fullmatch(cells[0]) if cells else None
     if first is None:
         return None
     found = [_LIST.fullmatch(cell) for cell in cells]
+    if any(
+        cell.lstrip()[0] == "(" and one and (is_number(one[1]) or _groups(one[1]))
+        for cell, one in zip(cells, found, strict=True)
+    ):
+        return None
     rows = [re.split(r"\s*,\s*|\s+", one[1]) if one else [] for one in found]
     width = len(rows[0])
     if not all(len(row) == width and all(number_of(cell) is not None for cell in row) for row in rows):

@@ -54,7 +54,7 @@ _NO_TABLES = {
 """How files begin that stand in place of a log, and what to do."""
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 _FRAMES = re.compile(
-    r"\s*(\(\d+\.\d+\)\s+)?[vs]?l?can\d\s+[0-9A-Fa-f]{3,8}(#|\s+\[\d\])|;\$FILEVERSION|date \w+ .*\d{4}$"
+    r"\s*(\(\d+\.\d+\)\s+)?[vs]?l?can\d\s+[0-9A-Fa-f]{3,8}(#|\s+\[\d\])|;\$FILEVERSION|date \w+ .*\d{4}\s*$"
 )
 """Lists of frames on a CAN bus: of candump, PEAK and Vector."""
 
@@ -110,7 +110,7 @@ def csv_source(path: Path) -> InParts | None:
     try:
         with _csv_errors(path):
             lines = _first_lines(path, limits.LAYOUT_LINES)
-            if _is_labelled(lines) or plainly(first := "".join(lines)) != first:
+            if _is_labelled(lines):
                 return None
             layout = _start(path, lines)
             if _is_markdown(lines) or layout.clocks or layout.units or not _plain(path, layout):
@@ -130,7 +130,7 @@ def csv_source(path: Path) -> InParts | None:
         with opened_text(path) as file, _csv_errors(path):
             for _ in range(before):
                 next(file)
-            rows = ((before + line, row) for line, row in rows_of(file, layout.delimiter))
+            rows = ((before + line, row) for line, row in rows_of(map(plainly, file), layout.delimiter))
             while at < spans[-1][1] and (block := list(itertools.islice(rows, limits.BATCH_ROWS))):
                 for first, end in overlaps(at, at + len(block), spans):
                     found = _rectangular(block[first - at : end - at], layout, path)
@@ -154,7 +154,7 @@ def _is_markdown(lines: Sequence[str]) -> bool:
 
 def _first_lines(path: Path, most: int) -> list[str]:
     with opened_text(path) as file:
-        return list(itertools.islice(file, most))
+        return list(map(plainly, itertools.islice(file, most)))
 
 
 def _start(path: Path, text: Sequence[str]) -> Layout:
@@ -201,6 +201,8 @@ def _is_table(names: Sequence[str], delimiter: str, below: Sequence[str]) -> boo
     rows = every[:3]
     if not rows:
         return True
+    if delimiter == "," and all(";" in line and all(map(is_number, line.split(";"))) for line in below[:3]):
+        return False  # "time, s;angle, rad" above decimal commas
     if 2 * sum(len(row) == len(names) for row in every) < len(every):
         return False  # settings of two cells above a wider table
     if len(names) == 1 and any(len(row[0].split()) > 1 for row in rows if row):
@@ -321,15 +323,18 @@ def _read_as(encoding: str) -> tuple[str]:
     return (f"read as {encoding}, since it is no UTF-8",)
 
 
-_JAPANESE = re.compile(r"[\u3040-\u30ff\u4e00-\u9fff\uff00-\uff60]{2,}")
-_CYRILLIC = re.compile(r"[\u0400-\u04ff]{3,}|[°±µ·]")
+_JAPANESE = re.compile(
+    r"([\u3040-\u30ff\u4e00-\u9fff\uff00-\uff60]{2,})|(?<![^\W_])[\u3040-\u30ff\u4e00-\u9fff](?![^\W_])|[°℃μΩ]"
+)
+_CYRILLIC = re.compile(r"([\u0400-\u04ff]{3,})|(?<![^\W_])[\u0400-\u04ff]{1,2}(?![^\W_])|[°±µ·]")
+"""Long words; shorter ones, as of units, between other signs; and signs of units."""
 
 
 def _in_words(path: Path, encoding: str, letters: re.Pattern[str]) -> str:
-    """The text of a file in an encoding whose letters stand in words, "" where they do not."""
+    """The text of a file in an encoding whose letters are in words, one of them long; "" for another file."""
     with suppress(UnicodeDecodeError):
         text = text_of(path, encoding)
-        if any(len(one[0]) > 1 for one in letters.finditer(text)) and letters.sub("", text).isascii():
+        if any(one[1] for one in letters.finditer(text)) and letters.sub("", text).isascii():
             return text
     return ""
 
