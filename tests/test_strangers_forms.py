@@ -14,7 +14,7 @@ from scipy.io import savemat
 from eccentric.api.drafted import RigDraft, draft_rig
 from eccentric.core import InputError
 from eccentric.drafting.words import read_name
-from eccentric.logs import Log, parse_unit, read_log
+from eccentric.logs import Log, parse_unit, read_log, stream_log
 
 TURN = 2.0 * np.pi
 T = np.arange(3000) * 0.005
@@ -165,6 +165,18 @@ def test_labels_within_the_cells_of_a_table_are_text(header: str, row: str, read
 
     assert header.split(",") == list(log.columns)
     np.testing.assert_array_equal(log.numbers("t"), np.arange(500))
+
+
+@pytest.mark.parametrize("number", ["\u22121.5", "-1.5D+00", "-1\u2009500.5"])
+@pytest.mark.parametrize("at", [0, 500, 2500])
+def test_numbers_in_print_are_read_in_parts(number: str, at: int, tmp_path: Path) -> None:
+    """As in the whole, wherever the first of them is."""
+    path = tmp_path / "log.csv"
+    path.write_text("t,x\n" + "".join(f"{k},{number if k == at else k / 8}\n" for k in range(3000)))
+    whole, parts = read_log(path).numbers("x"), stream_log(path).read(["x"]).numbers("x")
+
+    assert whole[at] in (-1.5, -1500.5)
+    np.testing.assert_array_equal(whole, parts)
 
 
 def test_blanks_between_thousands(read: Callable[..., Log]) -> None:

@@ -130,7 +130,7 @@ def csv_source(path: Path) -> InParts | None:
         with opened_text(path) as file, _csv_errors(path):
             for _ in range(before):
                 next(file)
-            rows = ((before + line, row) for line, row in rows_of(map(plainly, file), layout.delimiter))
+            rows = ((before + line, row) for line, row in rows_of(_plainly(file), layout.delimiter))
             while at < spans[-1][1] and (block := list(itertools.islice(rows, limits.BATCH_ROWS))):
                 for first, end in overlaps(at, at + len(block), spans):
                     found = _rectangular(block[first - at : end - at], layout, path)
@@ -154,7 +154,14 @@ def _is_markdown(lines: Sequence[str]) -> bool:
 
 def _first_lines(path: Path, most: int) -> list[str]:
     with opened_text(path) as file:
-        return list(map(plainly, itertools.islice(file, most)))
+        return list(_plainly(itertools.islice(file, most)))
+
+
+def _plainly(lines: Iterator[str]) -> Iterator[str]:
+    """Lines by `plainly`, in blocks: few need it, and to look at each one takes as long as to split it."""
+    while block := list(itertools.islice(lines, limits.SAMPLE_ROWS)):
+        whole = "".join(block)
+        yield from block if plainly(whole) == whole else map(plainly, block)
 
 
 def _start(path: Path, text: Sequence[str]) -> Layout:
