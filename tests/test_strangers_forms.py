@@ -89,6 +89,10 @@ TABLES = {
         lines("Time: %s t: %.3f x: %.4f", CLOCK, X, V),
         {"time": "s", "t": "", "x": ""},
     ),
+    "labels after the level of a message": (
+        lines("INFO:root:t: %.3f x: %.4f", X, V),
+        {"t": "", "x": ""},
+    ),
     "labels with units between blanks": (
         lines("T: %.1f °C t: %.3f s x: %.4f rad", V, X, V),
         {"T": "°C", "t": "s", "x": "rad"},
@@ -271,14 +275,21 @@ def test_the_encoding_is_that_of_whole_words(text: str, encoding: str, read: Cal
 
 
 @pytest.mark.parametrize(
-    ("header", "encoding"), [("Время, с;Угол, рад;Ток, А", "cp1251"), ("t, s;q, rad;i, A", "ascii")]
+    ("header", "encoding"),
+    [("Время, с;Угол, рад;Ток, А", "cp1251"), ("t, s;q, rad;i, A", "ascii"), ("t, s\tq, rad\ti, A", "ascii")],
 )
 def test_units_after_commas_between_semicolons(header: str, encoding: str, read: Callable[..., Log]) -> None:
-    """Commas in the header, and decimal ones in the rows, part no columns."""
-    log = read((f"{header}\n" + "0,5;1,5;2,5\n" * 20).encode(encoding))
+    """Commas in the header, and decimal ones in the rows, part no columns; nor between tabs."""
+    apart = "\t" if "\t" in header else ";"
+    log = read((f"{header}\n" + apart.join(["0,5", "1,5", "2,5\n"]) * 20).encode(encoding))
 
-    assert header.split(";") == list(log.columns)
+    assert header.split(apart) == list(log.columns)
     assert [0.5, 1.5, 2.5] == [log.numbers(name)[0] for name in log.columns]
+
+
+def test_tabs_after_commas(read: Callable[..., Log]) -> None:
+    """Whole numbers between commas that a tab follows are no decimal commas."""
+    assert ["t", "x"] == list(read("t,\tx\n" + lines("%d,\t%d", range(20), range(20))).columns)
 
 
 @pytest.mark.parametrize("row", ["1,2;3", "0.1,1;2;3"])

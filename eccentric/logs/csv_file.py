@@ -52,6 +52,7 @@ _NO_TABLES = {
     "<": "a web page or XML: download the raw file, or export a CSV file",
 }
 """How files begin that stand in place of a log, and what to do."""
+_COMMA = re.compile(r"\d,\d")
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 _FRAMES = re.compile(
     r"\s*(\(\d+\.\d+\)\s+)?[vs]?l?can\d\s+[0-9A-Fa-f]{3,8}(#|\s+\[\d\])|;\$FILEVERSION|date \w+ .*\d{4}\s*$"
@@ -208,7 +209,13 @@ def _is_table(names: Sequence[str], delimiter: str, below: Sequence[str]) -> boo
     rows = every[:3]
     if not rows:
         return True
-    if delimiter == "," and all(";" in line and all(map(is_number, line.split(";"))) for line in below[:3]):
+    if delimiter == "," and any(
+        all(
+            _COMMA.search(line) and apart in line and all(map(is_number, line.split(apart)))
+            for line in below[:3]
+        )
+        for apart in ";\t"
+    ):
         return False  # "time, s;angle, rad" above decimal commas
     if 2 * sum(len(row) == len(names) for row in every) < len(every):
         return False  # settings of two cells above a wider table

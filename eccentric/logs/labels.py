@@ -20,8 +20,8 @@ _STAMP = re.compile(
 )
 _APART = " \t\r\n,;|*->\"'()[]{}"
 _NO_UNIT = re.compile(r"[:=,;|]|(?<![\w^*/-])[-+.]*\d")
-_TEXT_AFTER = re.compile(r"[:=](?!\W*$)")
-"""A label, or the name of a group as in "motor: ", with text after it."""
+_TEXT_AFTER = re.compile(r"[:=](?!(?:[^\W\d]\w*:)*\W*$)")
+"""A label with text after it, which is no name of a group, as in "motor: " and "INFO:root:"."""
 _GROUP = re.compile(r"[^\W\d][\"']?\s*[:=]\s*$")
 _WORDS = frozenset({"count", "min", "turn"})
 """Units that may as well begin a label."""
