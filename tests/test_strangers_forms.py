@@ -97,6 +97,10 @@ TABLES = {
         lines("T: %.1f °C t: %.3f s x: %.4f rad", V, X, V),
         {"T": "°C", "t": "s", "x": "rad"},
     ),
+    "labels after units of several words": (
+        lines("tau: %.4f N m J: %.4f kg*m^2 t: %.3f s x: %.4f", V, V, X, V),
+        {"tau": "N m", "J": "kg*m^2", "t": "s", "x": ""},
+    ),
     "labels of several words": (
         lines("max v: %.1f m/s - motor t: %.3f min x: %.4f", V, X, V),
         {"max v": "m/s", "motor t": "", "min x": ""},
@@ -138,6 +142,7 @@ def test_a_form_of_text_is_read(name: str, read: Callable[..., Log]) -> None:
     ["t=0,010; pos=1,5; cur=0,2; end=1", "t:1,000 x:0 y:0", "t=1.5.3 x=2 y=3", "x: 1 2 3 y: 4",
      "state:IDLE t:1 x:2", "state: IDLE t:1 x:2", "t:1 state:IDLE x:2", "t:1 x:2 state:IDLE",
      '{"state": "IDLE", "x": 1, "y": 3}', "pos: [1] vel: 3 x: 4", "phase: 0 A current: 1 B current: 2",
+     "q: 0 deg A current: 1 B current: 2",
      "1,kp=1.5 ki=0.2,9", "(1) [2] x: 3 y: 4"],
 )  # fmt: skip
 def test_labels_do_not_hide_other_values(line: str, read: Callable[..., Log]) -> None:

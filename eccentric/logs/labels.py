@@ -14,7 +14,7 @@ from eccentric.logs.cells import TIME_OF_DAY, as_unit, cells_to_column, signs_of
 
 _NUMBER = r"(?>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|nan\b|inf\b))"
 _VALUE = re.compile(rf"""(?<!\d:\d\d)["']?\s*[:=]\s*["']?({_NUMBER})(?![\d:]|,\d)""", re.IGNORECASE)
-_LABEL = re.compile(r"(?<![\w.°%/^])[^\W\d][\w .%/°-]*(?:[\[(][^\[\]()]*[\])])?\s*$")
+_LABEL = re.compile(r"(?<![\w.°%/^*·])[^\W\d][\w .%/°-]*(?:[\[(][^\[\]()]*[\])])?\s*$")
 _STAMP = re.compile(
     rf"(?<![\w.])(?:(?=\d)(?P<time>{TIME_OF_DAY.pattern})|[-+]?\.?\d[\w.]*(?:(?<=[eE])[-+]\d+)?)"
 )
@@ -91,15 +91,15 @@ def _parts(line: str) -> tuple[str, list[tuple[str, str]]] | None:
         numbers.insert(0, stamp[0].strip())
         units.insert(0, unit if as_unit(unit) else "," if after.strip() else " ")
     for k, unit in enumerate(units[:-1]):
-        first, _, label = names[k + 1].partition(" ")
-        label = label.lstrip(" -")
-        if (
-            not unit.strip()
-            and _LABEL.match(label)
-            and (not unit or (first not in _WORDS and as_unit(first)))
-        ):
+        words = names[k + 1].split(" ")
+        heads = (" ".join(words[:n]) for n in range(len(words) - 1, 0, -1))
+        first = next(
+            (head for head in heads if head not in _WORDS and as_unit(head)), "" if unit else words[0]
+        )
+        label = names[k + 1][len(first) :].lstrip(" -")
+        if first and not unit.strip() and _LABEL.match(label):
             units[k], names[k + 1] = first, label
-            if unit and len(first) == 1 and any(name.endswith(f" {label}") for name in names):
+            if unit and len(first.split()[-1]) == 1 and any(name.endswith(f" {label}") for name in names):
                 return None  # "A pos: 1 B pos: 2"
     units = [unit.strip(_APART) for unit in units]
     if any(map(_NO_UNIT.search, units)):
