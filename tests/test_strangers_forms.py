@@ -14,7 +14,7 @@ from scipy.io import savemat
 from eccentric.api.drafted import RigDraft, draft_rig
 from eccentric.core import InputError
 from eccentric.drafting.words import read_name
-from eccentric.logs import Log, parse_unit, read_log
+from eccentric.logs import Log, parse_unit, read_log, stream_log
 
 TURN = 2.0 * np.pi
 T = np.arange(3000) * 0.005
@@ -73,6 +73,38 @@ TABLES = {
         lines("%s -> t:%.3f x:%.4f", CLOCK, X, V),
         {"time": "s", "t": "", "x": ""},
     ),
+    "labels after a stamp in brackets": (
+        lines("[INFO] [%d.5] [node]: t: %.3f, x: %.4f", range(40), X, V),
+        {"column 1": "", "t": "", "x": ""},
+    ),
+    "labels after a tag and a stamp": (
+        lines("I (%d) motor: t=%.3f x=%.4f", range(40), X, V),
+        {"column 1": "", "t": "", "x": ""},
+    ),
+    "labels after a stamp with a unit": (
+        lines("[%d ms] t: %.3f x: %.4f", range(40), X, V),
+        {"column 1": "ms", "t": "", "x": ""},
+    ),
+    "labels after the time with a label": (
+        lines("Time: %s t: %.3f x: %.4f", CLOCK, X, V),
+        {"time": "s", "t": "", "x": ""},
+    ),
+    "labels after the level of a message": (
+        lines("INFO:root:t: %.3f x: %.4f", X, V),
+        {"t": "", "x": ""},
+    ),
+    "labels with units between blanks": (
+        lines("T: %.1f °C t: %.3f s x: %.4f rad", V, X, V),
+        {"T": "°C", "t": "s", "x": "rad"},
+    ),
+    "labels after units of several words": (
+        lines("tau: %.4f N m J: %.4f kg*m^2 t: %.3f s x: %.4f", V, V, X, V),
+        {"tau": "N m", "J": "kg*m^2", "t": "s", "x": ""},
+    ),
+    "labels of several words": (
+        lines("max v: %.1f m/s - motor t: %.3f min x: %.4f", V, X, V),
+        {"max v": "m/s", "motor t": "", "min x": ""},
+    ),
     "exponents of Fortran": (
         "t,x\n" + lines("%.8e,%.8e", X, V).replace("e", "D"),
         {"t": "", "x": ""},
@@ -105,6 +137,57 @@ def test_a_form_of_text_is_read(name: str, read: Callable[..., Log]) -> None:
     np.testing.assert_allclose(x, V, atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "line",
+    ["t=0,010; pos=1,5; cur=0,2; end=1", "t:1,000 x:0 y:0", "t=1.5.3 x=2 y=3", "x: 1 2 3 y: 4",
+     "state:IDLE t:1 x:2", "state: IDLE t:1 x:2", "t:1 state:IDLE x:2", "t:1 x:2 state:IDLE",
+     '{"state": "IDLE", "x": 1, "y": 3}', "pos: [1] vel: 3 x: 4", "phase: 0 A current: 1 B current: 2",
+     "q: 0 deg A current: 1 B current: 2",
+     "1,kp=1.5 ki=0.2,9", "(1) [2] x: 3 y: 4"],
+)  # fmt: skip
+def test_labels_do_not_hide_other_values(line: str, read: Callable[..., Log]) -> None:
+    """Decimal commas, text after a label, lists and cells of a table are not read in part."""
+    with pytest.raises(InputError, match="header row with column names"):
+        read(f"{line}\n" * 40)
+
+
+def test_other_words_before_labels_are_in_a_note(read: Callable[..., Log]) -> None:
+    """A state that changes is no column, and is not dropped unsaid."""
+    log = read("IDLE, t:0, x:2\n" * 20 + "RUN, t:0, x:2\n" * 20)
+
+    assert ("left out, before the labels: IDLE, RUN",) == log.notes
+
+
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [
+        ("t,note,cur", "%d,kp=1.5 ki=0.2,9"),
+        ("t,pose,cur", "%d,\"{'x': 1.5, 'y': 2.5}\",9"),
+        ("t,pose", "%d,\"{'x': 1.5, 'y': 2.5}\""),
+        ("t,note,cur", '%d,"pos: 3 limit: 5",9'),
+        ("t,a,b", "%d,A:1,B:2"),
+    ],
+)
+def test_labels_within_the_cells_of_a_table_are_text(header: str, row: str, read: Callable[..., Log]) -> None:
+    """The columns are those of the header."""
+    log = read(f"{header}\n" + lines(row, range(500)))
+
+    assert header.split(",") == list(log.columns)
+    np.testing.assert_array_equal(log.numbers("t"), np.arange(500))
+
+
+@pytest.mark.parametrize("number", ["\u22121.5", "-1.5D+00", "-1\u2009500.5"])
+@pytest.mark.parametrize("at", [0, 500, 2500])
+def test_numbers_in_print_are_read_in_parts(number: str, at: int, tmp_path: Path) -> None:
+    """As in the whole, wherever the first of them is."""
+    path = tmp_path / "log.csv"
+    path.write_text("t,x\n" + "".join(f"{k},{number if k == at else k / 8}\n" for k in range(3000)))
+    whole, parts = read_log(path).numbers("x"), stream_log(path).read(["x"]).numbers("x")
+
+    assert whole[at] in (-1.5, -1500.5)
+    np.testing.assert_array_equal(whole, parts)
+
+
 def test_blanks_between_thousands(read: Callable[..., Log]) -> None:
     """As Excel writes them in French."""
     log = read("t;x\n" + "".join(f"{k};1\u202f{k:03d},5\n" for k in range(40)))
@@ -121,6 +204,17 @@ def test_lists_in_cells_are_columns(text: str, read: Callable[..., Log]) -> None
     assert {0.5} == set(log.numbers("q(:,1)"))
 
 
+@pytest.mark.parametrize("text", ["(0.5)", "(1,234)", "(1,5)", "(1,234.5)"])
+def test_a_number_in_parentheses_is_no_list(text: str, read: Callable[..., Log]) -> None:
+    """It may be negative, as in accounts."""
+    assert {text} == set(read("t;q\n" + f"1;{text}\n" * 20).columns["q"].tolist())
+
+
+def test_a_list_of_one_number_is_a_column(read: Callable[..., Log]) -> None:
+    """Brackets are no sign."""
+    assert {0.5} == set(read("t;q\n" + "1;[0.5]\n" * 20).numbers("q(:,1)"))
+
+
 def test_nested_objects_in_lines_are_columns(read: Callable[..., Log]) -> None:
     """Objects within, and lists of one length."""
     rows = [{"t": k, "motor": {"pos": 2 * k}, "q": [0, 3 * k]} for k in range(40)]
@@ -128,6 +222,24 @@ def test_nested_objects_in_lines_are_columns(read: Callable[..., Log]) -> None:
 
     np.testing.assert_array_equal(log.numbers("pos"), 2 * np.arange(40))
     np.testing.assert_array_equal(log.numbers("q(:,2)"), 3 * np.arange(40))
+
+
+def test_records_with_a_label_keep_their_columns(read: Callable[..., Log]) -> None:
+    """They are no signals: each has fewer values than there are records."""
+    rows = [{"t": k, "label": f"r{k}", "values": [1, 2, 3 * k]} for k in range(40)]
+    log = read("".join(json.dumps(row) + "\n" for row in rows), ".jsonl")
+
+    np.testing.assert_array_equal(log.numbers("t"), np.arange(40))
+    np.testing.assert_array_equal(log.numbers("values(:,3)"), 3 * np.arange(40))
+
+
+def test_signals_of_ragged_lists_are_left_out(read: Callable[..., Log]) -> None:
+    """With a note, as other lists that are no columns."""
+    ragged = [{"label": name, "values": [[1], [1, 2]]} for name in "ab"]
+    log = read(json.dumps({"t": list(range(40)), "s": ragged}), ".json")
+
+    assert "t" in log.columns
+    assert any("neither numbers nor text" in note for note in log.notes)
 
 
 @pytest.mark.parametrize(
@@ -155,14 +267,47 @@ def test_signals_that_hold_their_name(signals: dict[str, Any], tmp_path: Path) -
 
 @pytest.mark.parametrize(
     ("text", "encoding"),
-    [("時間,角度", "cp932"), ("Время,Угол", "cp1251"), ("时间,角度", "gb2312"), ("Zeit,für [°]", "cp1252")],
+    [("時間,角度", "cp932"), ("Время,Угол", "cp1251"), ("时间,角度", "gb2312"), ("Zeit,für [°]", "cp1252"),
+     ("時間(秒),角度(°)", "cp932"), ("時間 s,電流A,温度[℃]", "cp932"), ("t,für,Ä,²", "cp1252"),
+     ("Время [с],Угол [рад],Ток [А]", "cp1251"), ("Время_с,Скорость (об/мин),Угол °", "cp1251")],
 )  # fmt: skip
 def test_the_encoding_is_that_of_whole_words(text: str, encoding: str, read: Callable[..., Log]) -> None:
     """Of files that are no UTF-8."""
-    assert text.split(",") == list(read((text + "\n1,2\n2,3\n3,4\n").encode(encoding)).columns)
+    names = text.split(",")
+    rows = lines(",".join(["%d"] * len(names)), *[range(3)] * len(names))
+
+    assert names == list(read(f"{text}\n{rows}".encode(encoding)).columns)
 
 
-@pytest.mark.parametrize("line", ["(1.5) can0 141#A100", " can0  141   [2]  A1 00", ";$FILEVERSION=1.1"])
+@pytest.mark.parametrize(
+    ("header", "encoding"),
+    [("Время, с;Угол, рад;Ток, А", "cp1251"), ("t, s;q, rad;i, A", "ascii"), ("t, s\tq, rad\ti, A", "ascii")],
+)
+def test_units_after_commas_between_semicolons(header: str, encoding: str, read: Callable[..., Log]) -> None:
+    """Commas in the header, and decimal ones in the rows, part no columns; nor between tabs."""
+    apart = "\t" if "\t" in header else ";"
+    log = read((f"{header}\n" + apart.join(["0,5", "1,5", "2,5\n"]) * 20).encode(encoding))
+
+    assert header.split(apart) == list(log.columns)
+    assert [0.5, 1.5, 2.5] == [log.numbers(name)[0] for name in log.columns]
+
+
+def test_tabs_after_commas(read: Callable[..., Log]) -> None:
+    """Whole numbers between commas that a tab follows are no decimal commas."""
+    assert ["t", "x"] == list(read("t,\tx\n" + lines("%d,\t%d", range(20), range(20))).columns)
+
+
+@pytest.mark.parametrize("row", ["1,2;3", "0.1,1;2;3"])
+def test_semicolons_in_cells_between_commas(row: str, read: Callable[..., Log]) -> None:
+    """The header decides."""
+    assert {row.split(",")[1]} == set(read("t,list\n" + f"{row}\n" * 20).columns["list"].tolist())
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["(1.5) can0 141#A100", " can0  141   [2]  A1 00", ";$FILEVERSION=1.1",
+     "date Sat Nov 28 10:00:00.000 am 2026", "date Sat Nov 28 10:00:00.000 am 2026\r"],
+)  # fmt: skip
 def test_frames_of_a_bus_are_no_table(line: str, read: Callable[..., Log]) -> None:
     """What to do is in the message."""
     with pytest.raises(InputError, match="decode them"):
@@ -173,6 +318,8 @@ def test_a_resolution_is_a_unit() -> None:
     """As drives state it: 0.1 rpm for each step."""
     assert parse_unit("0.1rpm", "").factor == pytest.approx(TURN / 600.0)
     assert parse_unit("0.01 A", "").factor == pytest.approx(0.01)
+    assert parse_unit("0.1 K", "").to_si(2981.5) == pytest.approx(25.0)
+    assert parse_unit("0.1 °C", "").to_si(250.0) == pytest.approx(25.0)
     with pytest.raises(InputError):
         parse_unit("10 A", "")
 

@@ -211,14 +211,20 @@ def _matrix(rows: Sequence[Any]) -> Column | None:
 
 
 def _named_signals(items: Sequence[Mapping[str, Any]]) -> dict[str, Column] | None:
-    """Signals that hold their own name, as the Y of dSPACE and the scopes of Simulink; None for others."""
+    """Signals that hold their own name, as the Y of dSPACE and the scopes of Simulink; None for others.
+
+    Records that each hold a few values are no signals: those are longer than there are of them.
+    """
     for name, data, unit in (("Name", "Data", "Unit"), ("label", "values", "")):
         named = [str(item.get(name, "")).replace('"', "") for item in items]
-        values = [np.asarray(item.get(data, 0.0)) for item in items]
+        found = [item.get(data, 0.0) for item in items]
+        values = [
+            np.asarray(0.0 if isinstance(v, list) and not all(map(_is_scalar, v)) else v) for v in found
+        ]
         if (
             all(named)
             and len(set(named)) == len(named)
-            and all(v.ndim == 1 and v.dtype.kind in "biuf" for v in values)
+            and all(v.ndim == 1 and v.dtype.kind in "biuf" and len(v) > len(items) for v in values)
         ):
             units = [str(item.get(unit, "")) if unit else "" for item in items]
             called = [f"{n} [{u}]" if u and "[" not in n else n for n, u in zip(named, units, strict=True)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 import re
@@ -140,7 +141,7 @@ def cells_to_column(name: str, cells: Sequence[str], sign: Sign) -> tuple[Column
     if column.dtype.kind == "f":
         return _counter(name, cells, column)
     if len(units := {one[2] if (one := _WITH_UNIT.fullmatch(c)) else "" for c in given}) == 1 and (
-        unit := _as_unit(units.pop())
+        unit := as_unit(units.pop())
     ):
         found = [_WITH_UNIT.fullmatch(cell) for cell in cells]
         return column_of([one[1] if one else "" for one in found]), unit, ""
@@ -175,7 +176,8 @@ def plain_column(cells: Sequence[str], sign: Sign) -> Column:
     return column_of([_with_point(cell, sign) for cell in cells])
 
 
-def _as_unit(text: str) -> str:
+@functools.lru_cache(maxsize=256)
+def as_unit(text: str) -> str:
     """A unit as cells and MATLAB's durations spell it; "" for none."""
     one = {"sec": "s", "secs": "s", "msec": "ms", "hr": "h", "C": "degC"}.get(text, text)
     with suppress(InputError):
@@ -267,11 +269,19 @@ _LIST = re.compile(r"\s*(?:array)?[(\[]+\s*([^\[\]()]*?)[,\s]*[)\]]+\s*")
 
 
 def lists_of(cells: Sequence[str]) -> NDArray[np.float64] | None:
-    """Cells that each hold as many numbers in brackets, as arrays print, (n, numbers); None for others."""
+    """Cells that each hold as many numbers in brackets, as arrays print, (n, numbers); None for others.
+
+    One number in parentheses may be a negative one, as in accounts.
+    """
     first = _LIST.fullmatch(cells[0]) if cells else None
     if first is None:
         return None
     found = [_LIST.fullmatch(cell) for cell in cells]
+    if any(
+        cell.lstrip()[0] == "(" and one and (is_number(one[1]) or _groups(one[1]))
+        for cell, one in zip(cells, found, strict=True)
+    ):
+        return None
     rows = [re.split(r"\s*,\s*|\s+", one[1]) if one else [] for one in found]
     width = len(rows[0])
     if not all(len(row) == width and all(number_of(cell) is not None for cell in row) for row in rows):

@@ -52,9 +52,10 @@ _NO_TABLES = {
     "<": "a web page or XML: download the raw file, or export a CSV file",
 }
 """How files begin that stand in place of a log, and what to do."""
+_COMMA = re.compile(r"\d,\d")
 _NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 _FRAMES = re.compile(
-    r"\s*(\(\d+\.\d+\)\s+)?[vs]?l?can\d\s+[0-9A-Fa-f]{3,8}(#|\s+\[\d\])|;\$FILEVERSION|date \w+ .*\d{4}$"
+    r"\s*(\(\d+\.\d+\)\s+)?[vs]?l?can\d\s+[0-9A-Fa-f]{3,8}(#|\s+\[\d\])|;\$FILEVERSION|date \w+ .*\d{4}\s*$"
 )
 """Lists of frames on a CAN bus: of candump, PEAK and Vector."""
 
@@ -78,7 +79,7 @@ def read_text(whole: str, path: Path) -> Read:
     rows = 1 + max(whole.count("\n"), whole.count("\r"))
     require_room_for_text(path, whole, rows, rows + sum(map(whole.count, ",;\t")))
     text = io.StringIO(plainly(whole), newline="").readlines()
-    if has_labels(text[: limits.LAYOUT_LINES]) and (labelled := of_labels(text)) is not None:
+    if _is_labelled(text[: limits.LAYOUT_LINES]) and (labelled := of_labels(text)) is not None:
         return labelled
     if _is_markdown(text[: limits.LAYOUT_LINES]):
         text = ["\n" if _RULE.fullmatch(line) else line.strip().strip("|") + "\n" for line in text]
@@ -110,7 +111,7 @@ def csv_source(path: Path) -> InParts | None:
     try:
         with _csv_errors(path):
             lines = _first_lines(path, limits.LAYOUT_LINES)
-            if has_labels(lines) or plainly(first := "".join(lines)) != first:
+            if _is_labelled(lines):
                 return None
             layout = _start(path, lines)
             if _is_markdown(lines) or layout.clocks or layout.units or not _plain(path, layout):
@@ -130,7 +131,7 @@ def csv_source(path: Path) -> InParts | None:
         with opened_text(path) as file, _csv_errors(path):
             for _ in range(before):
                 next(file)
-            rows = ((before + line, row) for line, row in rows_of(file, layout.delimiter))
+            rows = ((before + line, row) for line, row in rows_of(_plainly(file), layout.delimiter))
             while at < spans[-1][1] and (block := list(itertools.islice(rows, limits.BATCH_ROWS))):
                 for first, end in overlaps(at, at + len(block), spans):
                     found = _rectangular(block[first - at : end - at], layout, path)
@@ -154,7 +155,14 @@ def _is_markdown(lines: Sequence[str]) -> bool:
 
 def _first_lines(path: Path, most: int) -> list[str]:
     with opened_text(path) as file:
-        return list(itertools.islice(file, most))
+        return list(_plainly(itertools.islice(file, most)))
+
+
+def _plainly(lines: Iterator[str]) -> Iterator[str]:
+    """Lines by `plainly`, in blocks: few need it, and to look at each one takes as long as to split it."""
+    while block := list(itertools.islice(lines, limits.SAMPLE_ROWS)):
+        whole = "".join(block)
+        yield from block if plainly(whole) == whole else map(plainly, block)
 
 
 def _start(path: Path, text: Sequence[str]) -> Layout:
@@ -186,12 +194,29 @@ def _start(path: Path, text: Sequence[str]) -> Layout:
     return Layout(_header(names, path), delimiter, before)
 
 
+def _is_labelled(lines: Sequence[str]) -> bool:
+    """Whether most lines are labelled numbers, and the first is no header of a table whose cells are such."""
+    if not has_labels(lines):
+        return False
+    first = next(k for k, line in enumerate(lines) if is_content(line))
+    names, delimiter, is_row = _names(lines[first - 1] if first else "", lines[first])
+    return not is_row and not _is_table(names, delimiter, lines[first + 1 :])
+
+
 def _is_table(names: Sequence[str], delimiter: str, below: Sequence[str]) -> bool:
     """Whether the first line is the header of the lines below it, of which one of the first has a number."""
     every = [row for _, row in rows_of(iter(below), delimiter)]
     rows = every[:3]
     if not rows:
         return True
+    if delimiter == "," and any(
+        all(
+            _COMMA.search(line) and apart in line and all(map(is_number, line.split(apart)))
+            for line in below[:3]
+        )
+        for apart in ";\t"
+    ):
+        return False  # "time, s;angle, rad" above decimal commas
     if 2 * sum(len(row) == len(names) for row in every) < len(every):
         return False  # settings of two cells above a wider table
     if len(names) == 1 and any(len(row[0].split()) > 1 for row in rows if row):
@@ -312,15 +337,18 @@ def _read_as(encoding: str) -> tuple[str]:
     return (f"read as {encoding}, since it is no UTF-8",)
 
 
-_JAPANESE = re.compile(r"[\u3040-\u30ff\u4e00-\u9fff\uff00-\uff60]{2,}")
-_CYRILLIC = re.compile(r"[\u0400-\u04ff]{3,}|[°±µ·]")
+_JAPANESE = re.compile(
+    r"([\u3040-\u30ff\u4e00-\u9fff\uff00-\uff60]{2,})|(?<![^\W_])[\u3040-\u30ff\u4e00-\u9fff](?![^\W_])|[°℃μΩ]"
+)
+_CYRILLIC = re.compile(r"([\u0400-\u04ff]{3,})|(?<![^\W_])[\u0400-\u04ff]{1,2}(?![^\W_])|[°±µ·]")
+"""Long words; shorter ones, as of units, between other signs; and signs of units."""
 
 
 def _in_words(path: Path, encoding: str, letters: re.Pattern[str]) -> str:
-    """The text of a file in an encoding whose letters stand in words, "" where they do not."""
+    """The text of a file in an encoding whose letters are in words, one of them long; "" for another file."""
     with suppress(UnicodeDecodeError):
         text = text_of(path, encoding)
-        if any(len(one[0]) > 1 for one in letters.finditer(text)) and letters.sub("", text).isascii():
+        if any(one[1] for one in letters.finditer(text)) and letters.sub("", text).isascii():
             return text
     return ""
 

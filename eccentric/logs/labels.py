@@ -4,38 +4,46 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from eccentric.core import counted
+from eccentric.core import counted, few
 from eccentric.logs.assemble import Column, Read
-from eccentric.logs.cells import TIME_OF_DAY, cells_to_column, is_number, signs_of
+from eccentric.logs.cells import TIME_OF_DAY, as_unit, cells_to_column, signs_of
 
-_NUMBER = r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|nan\b|inf\b)"
-_VALUE = re.compile(rf"""["']?\s*[:=]\s*["']?({_NUMBER})(?![\d:])""", re.IGNORECASE)
-_LABEL = re.compile(r"[^\W\d][\w .%/°-]*(?:[\[(][^\[\]()]*[\])])?$")
-_STAMP = re.compile(rf"\s*\[?\s*({TIME_OF_DAY.pattern}|{_NUMBER})\s*\]?\s*(?:->|[-,;|:>\t])?\s*(?=\D)")
-_APART = " \t,;|"
+_NUMBER = r"(?>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|nan\b|inf\b))"
+_VALUE = re.compile(rf"""(?<!\d:\d\d)["']?\s*[:=]\s*["']?({_NUMBER})(?![\d:]|,\d)""", re.IGNORECASE)
+_LABEL = re.compile(r"(?<![\w.°%/^*·])[^\W\d][\w .%/°-]*(?:[\[(][^\[\]()]*[\])])?\s*$")
+_STAMP = re.compile(
+    rf"(?<![\w.])(?:(?=\d)(?P<time>{TIME_OF_DAY.pattern})|[-+]?\.?\d[\w.]*(?:(?<=[eE])[-+]\d+)?)"
+)
+_APART = " \t\r\n,;|*->\"'()[]{}"
+_NO_UNIT = re.compile(r"[:=,;|]|(?<![\w^*/-])[-+.]*\d")
+_TEXT_AFTER = re.compile(r"[:=](?!(?:[^\W\d]\w*:)*\W*$)")
+"""A label with text after it, which is no name of a group, as in "motor: " and "INFO:root:"."""
+_GROUP = re.compile(r"[^\W\d][\"']?\s*[:=]\s*$")
+_WORDS = frozenset({"count", "min", "turn"})
+"""Units that may as well begin a label."""
 
 
 def has_labels(lines: Sequence[str]) -> bool:
     """Whether most lines have a label before each of two numbers or more."""
     given = [line for line in lines if line.strip()]
-    return 2 * sum(len(_VALUE.findall(line)) > 1 and bool(_parts(line)) for line in given) > len(given)
+    return 2 * sum(_parts(line) is not None for line in given) > len(given)
 
 
 def of_labels(lines: Sequence[str]) -> Read | None:
     """The columns of lines with labels, by label; None if a line between two has none, or others.
 
     Lines before and after are left out, with a note; a time of day or a number before the first label is a
-    column, too.
+    column, too, and words there are left out, with a note where they differ.
     """
-    rows = [(k, row) for k, line in enumerate(lines, start=1) if (row := _parts(line))]
-    if not rows:
+    found = [(k, *parts) for k, line in enumerate(lines, start=1) if (parts := _parts(line))]
+    if not found:
         return None
-    names, count = Counter(tuple(name for name, _ in row) for _, row in rows).most_common(1)[0]
-    rows = [(k, row) for k, row in rows if tuple(name for name, _ in row) == names]
+    names, count = Counter(tuple(name for name, _ in row) for _, _, row in found).most_common(1)[0]
+    rows = [(k, row) for k, _, row in found if tuple(name for name, _ in row) == names]
     first, last = rows[0][0], rows[-1][0]
     within = sum(map(bool, map(str.strip, lines[first - 1 : last])))
     if within > count or len(set(names)) < len(names):
@@ -45,6 +53,8 @@ def of_labels(lines: Sequence[str]) -> Read | None:
     columns: dict[str, Column] = {}
     units: dict[str, str] = {}
     notes = [f"left out, unlabelled: {counted(others, 'line')}"] if others else []
+    if len(words := dict.fromkeys(before for _, before, _ in found)) > 1:
+        notes.append(f"left out, before the labels: {few(filter(None, words), 5)}")
     for name, cells, sign in zip(names, values, signs_of(values, ";"), strict=True):
         columns[name], unit, note = cells_to_column(name, cells, sign)
         notes += [note] if note else []
@@ -53,30 +63,46 @@ def of_labels(lines: Sequence[str]) -> Read | None:
     return Read(columns, lines_of, tuple(notes), units, ("labelled lines",))
 
 
-def _parts(line: str) -> list[tuple[str, str]]:
-    """The labels of a line, each with its number and what follows it as a unit; empty for another line."""
-    found = list(_labels(line)) if len(_VALUE.findall(line)) > 1 else []
-    return found if all(name for name, _ in found) else []
+def _parts(line: str) -> tuple[str, list[tuple[str, str]]] | None:
+    """The words before the first label of a line, and each label with its number and what follows as a unit.
 
-
-def _labels(line: str) -> Iterator[tuple[str, str]]:
-    stamp = _STAMP.match(line)
-    start = stamp.end() if stamp else 0
-    if stamp:
-        yield ("column 1" if is_number(stamp[1]) else "time"), stamp[1].strip()
-    label, value = None, ""
-    for one in _VALUE.finditer(line, start):
-        between = line[start : one.start()]
-        unit, found = _split(between) if value else ("", between)
-        named = _LABEL.search(found.rstrip())
-        if label is not None:
-            yield label, f"{value} {unit}".strip()
-        label, value, start = named[0].strip() if named else "", one[1], one.end()
-    if label is not None:
-        yield label, f"{value} {line[start:].strip(_APART + ']})*' + chr(10) + chr(13))}".strip()
-
-
-def _split(between: str) -> tuple[str, str]:
-    """The unit of a number and the next label: a comma or the like is between, or no blank is before."""
-    apart = re.match(r"\s*([^\s,;|]*)\s*[,;|\t]", between) or re.match(r"([A-Za-z°µμΩ%]\S*)\s", between)
-    return (apart[1], between[apart.end() :]) if apart else ("", between)
+    None for a line with anything else, such as text after a label, further numbers or a decimal comma.
+    """
+    values = list(_VALUE.finditer(line))
+    if len(values) < 2:
+        return None
+    starts = [0, *(one.end() for one in values)]
+    gaps = [line[start : one.start()] for start, one in zip(starts, values, strict=False)]
+    labels = [label for gap in gaps if (label := _LABEL.search(gap))]
+    if len(labels) < len(gaps):
+        return None
+    before, *units = [gap[: label.start()] for gap, label in zip(gaps, labels, strict=True)]
+    names, numbers = [label[0].strip() for label in labels], [one[1] for one in values]
+    units.append(line[starts[-1] :])
+    stamps = list(_STAMP.finditer(before))
+    rest = _STAMP.sub(lambda one: "" if one["time"] else "0", before)
+    is_doubt = " " in names[0] and _GROUP.search(rest)  # "state: IDLE x: 2"
+    if len(stamps) > 1 or _TEXT_AFTER.search(rest) or is_doubt:
+        return None
+    for stamp in stamps:
+        after = before[stamp.end() :]
+        unit = re.split(r"\W", after.lstrip())[0]
+        names.insert(0, "time" if stamp["time"] else "column 1")
+        numbers.insert(0, stamp[0].strip())
+        units.insert(0, unit if as_unit(unit) else "," if after.strip() else " ")
+    for k, unit in enumerate(units[:-1]):
+        words = names[k + 1].split(" ")
+        heads = (" ".join(words[:n]) for n in range(len(words) - 1, 0, -1))
+        first = next(
+            (head for head in heads if head not in _WORDS and as_unit(head)), "" if unit else words[0]
+        )
+        label = names[k + 1][len(first) :].lstrip(" -")
+        if first and not unit.strip() and _LABEL.match(label):
+            units[k], names[k + 1] = first, label
+            if unit and len(first.split()[-1]) == 1 and any(name.endswith(f" {label}") for name in names):
+                return None  # "A pos: 1 B pos: 2"
+    units = [unit.strip(_APART) for unit in units]
+    if any(map(_NO_UNIT.search, units)):
+        return None
+    cells = [f"{number} {unit}".strip() for number, unit in zip(numbers, units, strict=True)]
+    return " ".join(re.findall(r"[^\W\d]\w*", rest)), list(zip(names, cells, strict=True))

@@ -133,10 +133,12 @@ def parse_unit(
     """
     # The ohm sign and the Greek letter look alike.
     stripped = unicodedata.normalize("NFC", " ".join(text.split()))
-    if stripped in ("K", "degC", "°C"):
-        return Unit(stripped, 1.0, _KELVIN, -273.15 if stripped == "K" else 0.0)
     scaled = _SCALED.match(stripped)
-    tokens = _tokens(stripped[scaled.end() :] if scaled else stripped, where)
+    scale = float(scaled[1].replace(",", ".")) if scaled else 1.0
+    bare = stripped[scaled.end() :] if scaled else stripped
+    if bare in ("K", "degC", "°C"):
+        return Unit(stripped, scale, _KELVIN, -273.15 if bare == "K" else 0.0)
+    tokens = _tokens(bare, where)
     try:
         factor, dimension, rest = _product(tokens, stripped, where, counts_per_rev)
     except _UnknownNameError as unknown:
@@ -148,7 +150,7 @@ def parse_unit(
         ) from None
     if rest:
         raise InputError(where, problem=f"unit {text!r} has an unmatched ')'")
-    return Unit(stripped, factor * float(scaled[1].replace(",", ".") if scaled else 1), dimension)
+    return Unit(stripped, factor * scale, dimension)
 
 
 def seconds_in(text: str) -> float:
