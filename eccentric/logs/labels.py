@@ -54,7 +54,7 @@ def of_labels(lines: Sequence[str]) -> Read | None:
     units: dict[str, str] = {}
     notes = [f"left out, unlabelled: {counted(others, 'line')}"] if others else []
     if len(words := dict.fromkeys(before for _, before, _ in found)) > 1:
-        notes.append(f"left out, before the labels: {few(filter(None, words), 5)}")
+        notes.append(f"not read: {few(filter(None, words), 5)}")
     for name, cells, sign in zip(names, values, signs_of(values, ";"), strict=True):
         columns[name], unit, note = cells_to_column(name, cells, sign)
         notes += [note] if note else []
