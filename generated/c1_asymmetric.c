@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.2.0b1, program 32bfc708).
+ * (eccentric 0.2.0b1, program 2d39efa4).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x32bfc708UL
+#if C1_ASYMMETRIC_PROGRAM != 0x2d39efa4UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 

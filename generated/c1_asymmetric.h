@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.2.0b1, program 32bfc708).
+ * (eccentric 0.2.0b1, program 2d39efa4).
  * Case C1 with friction that differs between the directions of motion.
  */
 /* Start with c1_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0x32bfc708UL
+#define C1_ASYMMETRIC_PROGRAM 0x2d39efa4UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. It is part of all names, as in
  * c1_asymmetric_mechanical_friction_torque_double: code compiled for one cannot use a model compiled only for the other. */

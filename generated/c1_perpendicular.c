@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.2.0b1, program 0dd745e4).
+ * (eccentric 0.2.0b1, program b6caacd1).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x0dd745e4UL
+#if C1_PERPENDICULAR_PROGRAM != 0xb6caacd1UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.2.0b1, program 0dd745e4).
+ * (eccentric 0.2.0b1, program b6caacd1).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Start with c1_perpendicular_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x0dd745e4UL
+#define C1_PERPENDICULAR_PROGRAM 0xb6caacd1UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. It is part of all names, as in
  * c1_perpendicular_mechanical_friction_torque_double: code compiled for one cannot use a model compiled only for the other. */

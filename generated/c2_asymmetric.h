@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.2.0b1, program e1c37712).
+ * (eccentric 0.2.0b1, program 49117124).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Start with c2_asymmetric_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0xe1c37712UL
+#define C2_ASYMMETRIC_PROGRAM 0x49117124UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. It is part of all names, as in
  * c2_asymmetric_mechanical_friction_torque_double: code compiled for one cannot use a model compiled only for the other. */

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.2.0b1, program 5e2884aa).
+ * (eccentric 0.2.0b1, program 90aa8f9b).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x5e2884aaUL
+#if C2_PARALLEL_PROGRAM != 0x90aa8f9bUL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.2.0b1, program 5e2884aa).
+ * (eccentric 0.2.0b1, program 90aa8f9b).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 /* Start with c2_parallel_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x5e2884aaUL
+#define C2_PARALLEL_PROGRAM 0x90aa8f9bUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. It is part of all names, as in
  * c2_parallel_mechanical_friction_torque_double: code compiled for one cannot use a model compiled only for the other. */

@@ -847,8 +847,8 @@ class Model:
         inertia, unit, losses = self._losses(parameters or self.default)
         for name, loss in losses:
             if loss >= inertia:
-                less = f"the acceleration by less than the inertia, {inertia:.6g} {unit}"
-                return f"{name}: expected friction that depends on {less}, got {loss:.6g} {unit}"
+                below = f"below the inertia, {inertia:.6g} {unit}"
+                return f"{name}: expected acceleration-dependent friction {below}, got {loss:.6g} {unit}"
         return ""
 
     def require_solvable(self, parameters: Any) -> None:

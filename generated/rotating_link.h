@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.2.0b1, program 30cb9e54).
+ * (eccentric 0.2.0b1, program 7fd21f2a).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Start with rotating_link_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x30cb9e54UL
+#define ROTATING_LINK_PROGRAM 0x7fd21f2aUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. It is part of all names, as in
  * rotating_link_mechanical_friction_torque_double: code compiled for one cannot use a model compiled only for the other. */

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.2.0b1, program 30cb9e54).
+# (eccentric 0.2.0b1, program 7fd21f2a).
 # Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 """Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 

@@ -86,7 +86,7 @@ def test_a_loss_beyond_the_inertia_is_not_emitted(
     assert ("has no unique solution" in page) is not solvable
     if not solvable:
         assert result.to_dict()["warnings"][-1] == said[0]
-        with pytest.raises(InputError, match="by less than the inertia"):
+        with pytest.raises(InputError, match="acceleration-dependent friction below the inertia"):
             result.emit(tmp_path / "emitted")
 
 

@@ -61,7 +61,7 @@ def require_solvable(model: Model, speed: float = _SLOW) -> None:
         unit = model.axis.unit("kg m^2")
         raise InputError(
             f"model {model.name}",
-            f"friction that depends on the acceleration by less than the inertia, {found.inertia:.3g} {unit}",
+            f"acceleration-dependent friction below the inertia, {found.inertia:.3g} {unit}",
             f"up to {found.loss:.3g} {unit}",
             why="for a time step to have one solution",
             hint="check the inertias and the loss, or the gear",

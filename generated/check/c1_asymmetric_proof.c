@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_asymmetric.c (program 32bfc708).
+ * Generated: do not edit. Belongs to c1_asymmetric.c (program 2d39efa4).
  * Proof driver: for all inputs in the ranges below and the parameters set in main, no function of c1_asymmetric.c
  * has undefined behaviour, overflows, or returns NaN or infinity. Set your parameters in main.
  * Run Frama-C's Eva: the proof is complete with 0 alarms and 100 % of the logical properties proven. The printed

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_asymmetric.c (program 32bfc708).
+ * Generated: do not edit. Belongs to c1_asymmetric.c (program 2d39efa4).
  * Self-test: c1_asymmetric.c gives the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_asymmetric_selftest.c ../c1_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_asymmetric.c (program 32bfc708).
+ * Generated: do not edit. Belongs to c1_asymmetric.c (program 2d39efa4).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_perpendicular.c (program 0dd745e4).
+ * Generated: do not edit. Belongs to c1_perpendicular.c (program b6caacd1).
  * Self-test: c1_perpendicular.c gives the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_perpendicular_selftest.c ../c1_perpendicular.c -lm     single precision: -DECCENTRIC_REAL=float

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c1_perpendicular.c (program 0dd745e4).
+ * Generated: do not edit. Belongs to c1_perpendicular.c (program b6caacd1).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 6u

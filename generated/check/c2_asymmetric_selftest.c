@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_asymmetric.c (program e1c37712).
+ * Generated: do not edit. Belongs to c2_asymmetric.c (program 49117124).
  * Self-test: c2_asymmetric.c gives the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c2_asymmetric_selftest.c ../c2_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_asymmetric.c (program e1c37712).
+ * Generated: do not edit. Belongs to c2_asymmetric.c (program 49117124).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

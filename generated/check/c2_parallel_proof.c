@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_parallel.c (program 5e2884aa).
+ * Generated: do not edit. Belongs to c2_parallel.c (program 90aa8f9b).
  * Proof driver: for all inputs in the ranges below and the parameters set in main, no function of c2_parallel.c
  * has undefined behaviour, overflows, or returns NaN or infinity. Set your parameters in main.
  * Run Frama-C's Eva: the proof is complete with 0 alarms and 100 % of the logical properties proven. The printed

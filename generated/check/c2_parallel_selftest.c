@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_parallel.c (program 5e2884aa).
+ * Generated: do not edit. Belongs to c2_parallel.c (program 90aa8f9b).
  * Self-test: c2_parallel.c gives the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c2_parallel_selftest.c ../c2_parallel.c -lm     single precision: -DECCENTRIC_REAL=float

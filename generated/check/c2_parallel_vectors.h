@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to c2_parallel.c (program 5e2884aa).
+ * Generated: do not edit. Belongs to c2_parallel.c (program 90aa8f9b).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

@@ -299,7 +299,7 @@ def _valid(program: Program) -> str:
     words = {"positive": "positive", "tilt": "from 0 to pi/2", "real": "any finite number"}
     named = [f"{', '.join(names)} {words[kind]}" for kind, names in kinds.items() if names]
     if limited := ", ".join(one.parameter.name for one in program.conditions):
-        named.append(f"{limited} so that friction depends on the acceleration by less than the inertia")
+        named.append(f"{limited} with acceleration-dependent friction below the inertia")
     return "; ".join([*named, "the others not negative"])
 
 
