@@ -26,7 +26,7 @@ from eccentric.core import InputError
 from eccentric.diagnosis import fit_empirical, staged, staged_log, variables_followed
 from eccentric.diagnosis.stage import Stage
 from eccentric.effects import ANGLES, variable_of
-from eccentric.identification import FitData, Refit, compiled, improvement, refit, rms
+from eccentric.identification import FitData, Refit, compiled, improvement, refit
 from eccentric.joints.fitted import prepared
 from eccentric.joints.joint_model import DECLARED
 from eccentric.logs import read_log
@@ -76,13 +76,14 @@ def targets(data: Path, names: Sequence[str] = ()) -> Iterator[tuple[str, Stage]
 class Found:
     """What one drive gives: gains in percent of the held-out error of the paper's model.
 
-    variables, coefficients, gain, interval: of the term that is emitted, none and 0 without one; peers: learned function -> gain; outside: third of the speeds left out -> error of the paper's model there
+    variables, coefficients, gain, interval: of the term that is emitted, none and 0 without one; peers: learned
+    function -> gain with its interval; outside: third of the speeds left out -> error of the paper's model there
     and with the term, and the gain with its interval; cost: text and constants in bytes, instructions of a
     call, of the paper's model and with the term.
     """
 
     name: str
-    peers: dict[str, float]
+    peers: dict[str, tuple[float, tuple[float, float]]]
     variables: tuple[str, ...] = ()
     coefficients: int = 0
     gain: float = 0.0
@@ -93,7 +94,7 @@ class Found:
     @property
     def share(self) -> float:
         """The gain over that of the best peer; 1 where none of them gains anything."""
-        best = max(self.peers.values())
+        best = max(gain for gain, _ in self.peers.values())
         return self.gain / best if best > 0.0 else 1.0
 
 
@@ -104,8 +105,7 @@ def judged(name: str, stage: Stage, folder: Path) -> Found:
     rows, left = data.rows, before.residuals["mechanical"]
     inputs = rows.plain_mean(inputs_of(stage))
     guesses = learned(inputs[rows.train], left[rows.train], inputs[rows.score])
-    plain = rms(left[rows.score])
-    gains = {peer: 100.0 * (1.0 - rms(left[rows.score] - y) / plain) for peer, y in guesses.items()}
+    gains = {peer: improvement(left[rows.score], left[rows.score] - y) for peer, y in guesses.items()}
     found, fits, functions = Found(name, gains, outside=thirds(stage)), [before], [FUNCTION]
     if term is not None and term.confirmed:
         found.variables, found.coefficients = term.variables, len(term.coefficients)
@@ -280,14 +280,21 @@ def part_of(found: Sequence[Found], controls: Sequence[float | None]) -> Part:
 def lines_of(found: Sequence[Found]) -> list[str]:
     """The tables in Markdown."""
     peers = list(found[0].peers)
-    head = ["drive", "follows", "coefficients", "gain [%], 95 %", *peers, "of the best"]
+    head = [
+        "drive",
+        "follows",
+        "coefficients",
+        "gain [%], 95 %",
+        *(f"{peer}, 95 %" for peer in peers),
+        "of the best",
+    ]
     rows = [head, ["---", "---", *["--:"] * (len(head) - 2)]]
     for one in found:
-        cells = [f"{one.peers[peer]:.1f}" for peer in peers]
+        cells = [_with_interval(*one.peers[peer]) for peer in peers]
         follows, count, gain = "none", "", "0"
         if one.variables:
             follows, count = ", ".join(one.variables).replace("_", " "), str(one.coefficients)
-            gain = f"{one.gain:.1f} ({one.interval[0]:.1f} to {one.interval[1]:.1f})"
+            gain = _with_interval(one.gain, one.interval)
         share = f"{one.share:.2f}{' (not judged)' if one.name in SHOWN_ONLY else ''}"
         rows.append([one.name, follows, count, gain, *cells, share])
     rows2 = [
@@ -319,7 +326,11 @@ def _outside(one: Found, third: str) -> str:
     before, after, (low, high) = one.outside[third]
     if before == after:
         return "0"
-    return f"{100.0 * (1.0 - after / before):.1f} ({low:.1f} to {high:.1f})"
+    return _with_interval(100.0 * (1.0 - after / before), (low, high))
+
+
+def _with_interval(gain: float, interval: tuple[float, float]) -> str:
+    return f"{gain:.1f} ({interval[0]:.1f} to {interval[1]:.1f})"
 
 
 def main() -> None:

@@ -81,7 +81,13 @@ def line_of(found: Diagnosis) -> Line:
     low, high = score.interval
     gain = f"{score.percent:.0f} % lower held-out error ({low:.0f} to {high:.0f})"
     depends = ", ".join(axis.named(v).replace("_", " ") for v in a.depends_on[:3])
-    ruled_out = "".join(f"; {c.id} is excluded by the parts of the drive" for c in a.ruled_out)
+    lacking = {effect.id for effect in found.offered if effect.lacks(found.rig.parts)}
+    ruled_out = "".join(
+        f"; {c.id} is excluded by the parts of the drive"
+        if c.id in lacking
+        else f"; the log travels too little to prove {c.id}"
+        for c in a.ruled_out
+    )
     says = {
         "named": gain,
         "not_identifiable": f"not distinguished: {', '.join(a.tied)}; {gain}",
@@ -96,7 +102,8 @@ def line_of(found: Diagnosis) -> Line:
         f"{check.known.name.removeprefix('the ')}: {check.value:.3g} {check.known.unit},"
         f" **{check.outside}** {check.known.low:.3g} to {check.known.high:.3g}"
         if check.outside
-        else f"{check.known.name.removeprefix('the ')}: {check.value:.3g} {check.known.unit}, within"
+        else f"{check.known.name.removeprefix('the ')}: {check.value:.3g} {check.known.unit},"
+        f" not outside {check.known.low:.3g} to {check.known.high:.3g}"
         for check in found.ranges
     ]
     return {

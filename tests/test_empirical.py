@@ -1,8 +1,10 @@
 """A term without a cause: its curves, what is emitted of it, and how it is found on a log."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import jax
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
@@ -13,6 +15,7 @@ from eccentric.effects import Curve, empirical_term
 from eccentric.emission import load_module
 from eccentric.identification import refit, rms
 from eccentric.model import load_model
+from tests import adapted, jaxed
 from tests.extended import setting
 
 RNG = np.random.default_rng(5)
@@ -99,6 +102,32 @@ def test_what_is_emitted_is_the_curves(curves: tuple[Curve, ...]) -> None:
     slope = emitted.friction_torque_gradient(THETA, OMEGA)[:, 0]
     over = emitted.friction_torque(THETA + step, OMEGA) - emitted.friction_torque(THETA - step, OMEGA)
     assert np.allclose(slope, over / (2.0 * step), atol=1e-8)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
+@pytest.mark.parametrize("curves", [FRICTION, BOTH_WAYS], ids=["friction", "both ways"])
+def test_c_and_jax_have_the_term_too(curves: tuple[Curve, ...], tmp_path: Path) -> None:
+    """Their functions are those of NumPy, and the estimator in C has the bits of that in Python."""
+    effect = empirical_term(replace(setting("C2", warm=False), mu=MU), curves)
+    values = dict(zip((q.name for q in effect.coefficients), RNG.uniform(0.0, 0.02, 99), strict=False))
+    model = effect.extend(load_model("c2_parallel"), values)
+    emitted, other, at = load_module(model), eccentric.compile(model), (THETA, OMEGA)
+
+    for name in ("friction_torque", "friction_torque_gradient", "friction_budget", "regressor"):
+        expected = getattr(emitted, name)(*at)
+        np.testing.assert_array_equal(getattr(other, name)(*at), expected, err_msg=name)
+        with jax.enable_x64(True):
+            traced = np.asarray(getattr(jaxed.executed(model), name)(*at))
+        np.testing.assert_allclose(traced, expected, rtol=1e-11, atol=1e-13, err_msg=name)
+
+    folder = adapted.emitted(tmp_path, replace(model, name="term"), {**adapted.DRIVE, **values})
+    python, estimator = adapted.module(folder, "term"), adapted.Estimator(folder, "term", np.float64)
+    moved = dict(zip(("theta_m", "omega_m", "alpha_m"), adapted.motion(2000, 4), strict=True))
+    moved["i"] = 2.0 * np.sign(moved["omega_m"]) + np.random.default_rng(4).normal(0.0, 0.2, 2000)
+    rows, state = [moved[name] for name in python.INPUTS], python.init(np.float64)
+    assert python.replay(*rows, state)["flags"].tolist() == estimator.learn(rows)
+    assert adapted.python_bits(state) == estimator.bits()
 
 
 BENCH = Path(__file__).resolve().parents[1] / "examples" / "bench" / "bench.csv.gz"

@@ -499,28 +499,30 @@ def test_what_two_laws_leave_is_a_curve_of_their_variable(
 FIRST, SECOND = candidate("first", {2: 1.0}), candidate("second", {3: 1.0})
 
 
-def fit(left: float, settled: bool = True) -> Any:
-    """A fit that leaves a row of this size, before the low pass and below it."""
-    rows = SimpleNamespace(score=np.ones(64, bool), operator="averages")
+def fit(left: float, settled: bool = True, trained: float = 1.0) -> Any:
+    """A fit that leaves held-out rows of this size, before the low pass and below it; and training rows."""
+    score = np.arange(96) < 64
+    rows = SimpleNamespace(score=score, train=~score, operator="averages")
     data = SimpleNamespace(rows=rows, drive=SimpleNamespace(channels=SimpleNamespace(rig=None)))
-    residual = left * np.random.default_rng(1).normal(size=64)
+    residual = np.where(score, left, trained) * np.random.default_rng(1).normal(size=96)
     return SimpleNamespace(
         settled=settled, data=data, residuals={"mechanical": residual}, residual_like=lambda *_: residual
     )
 
 
 @pytest.mark.parametrize(
-    ("settled", "expected"),
+    ("settled", "trained", "expected"),
     [
-        ({"first": True, "second": True}, "first"),
-        ({"first": False, "second": True}, "second"),
-        ({"first": False, "second": False}, None),
+        ({"first": True, "second": True}, 0.9, "first"),
+        ({"first": False, "second": True}, 0.9, "second"),
+        ({"first": False, "second": False}, 0.9, None),
+        ({"first": True, "second": True}, 13.0, "second"),
     ],
 )
 def test_an_effect_whose_fit_does_not_settle_is_passed_over(
-    monkeypatch: pytest.MonkeyPatch, settled: dict[str, bool], expected: str | None
+    monkeypatch: pytest.MonkeyPatch, settled: dict[str, bool], trained: float, expected: str | None
 ) -> None:
-    """Of two effects that the search ranks, the first one that settles is shown, with its own gain."""
+    """Of two effects that the search ranks, the first one that settles and explains the training part."""
     left = {"first": 0.5, "second": 0.8}
     found = decided({"mechanical": search({2: 3.0, 3: 2.0}, FIRST, SECOND)})
     offered: Any = [SimpleNamespace(id=name) for name in left]
@@ -528,7 +530,7 @@ def test_an_effect_whose_fit_does_not_settle_is_passed_over(
 
     def refit(_: Any, effects: Any, __: Any) -> Any:
         ((effect, _),) = effects
-        return fit(left[effect.id], settled[effect.id])
+        return fit(left[effect.id], settled[effect.id], trained if effect.id == "first" else 0.9)
 
     monkeypatch.setattr("eccentric.diagnosis.models.refit", refit)
     shown = closest_effect(found, offered, models)

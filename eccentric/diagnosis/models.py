@@ -289,7 +289,7 @@ def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models
 
     The errors of different balances are not comparable: the effect that takes out the largest part of its
     balance's error is the best. One whose fit does not settle is passed over: what the rig leaves open may
-    take its part without end.
+    take its part without end, or up to a bound, where the training part is fitted worse than without it.
     """
     firsts = [search for search in found.searches.values() if search.ranked]
     if models.adopted or not firsts or not models.fits_the_rig:
@@ -298,11 +298,16 @@ def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models
     paper, by_id = models.paper, {effect.id: effect for effect in offered}
     tried = ((by_id[f.last.id], dict(f.variants[-1].values)) for f in best.ranked[:FITTED])
     fits = ((effect, refit(models.base, ((effect, values),), paper.data)) for effect, values in tried)
-    effect, with_it = next(((effect, fit) for effect, fit in fits if fit.settled), (None, paper))
+    rows, balance = paper.data.rows, best.screen.balance.name
+
+    def explains(fit: Refit) -> bool:
+        before, after = paper.residual_like(fit, balance)[rows.train], fit.residuals[balance][rows.train]
+        return fit.settled and rms(after) <= rms(before)
+
+    effect, with_it = next(((effect, fit) for effect, fit in fits if explains(fit)), (None, paper))
     if effect is None:
         return None
-    rows, balance = paper.data.rows.score, best.screen.balance.name
-    before, after = paper.residual_like(with_it, balance)[rows], with_it.residuals[balance][rows]
+    before, after = paper.residual_like(with_it, balance)[rows.score], with_it.residuals[balance][rows.score]
     return Closest(
         effect,
         balance,
