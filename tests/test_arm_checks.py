@@ -57,6 +57,17 @@ def test_the_selftest_holds(folder_of: Callable[[str], Path], name: str, compile
     assert f"{name}: ok" in run(program)
 
 
+def test_the_selftest_holds_for_given_loads(tmp_path: Path) -> None:
+    """Loads are inputs like the motion: the same bits in C."""
+    need("gcc")
+    asked = ["friction_budget_from_loads", "friction_budget"]
+    eccentric.emit(ARMS["planar_2r"], tmp_path / "out", functions=asked)
+    sources = [tmp_path / "out" / x for x in ("check/planar_2r_selftest.c", "planar_2r.c")]
+    run("gcc", *FLAGS, f"-I{tmp_path / 'out'}", *sources, "-o", tmp_path / "test", "-lm")
+
+    assert "planar_2r: ok" in run(tmp_path / "test")
+
+
 def test_a_wrong_sign_is_seen(folder_of: Callable[[str], Path], tmp_path: Path) -> None:
     """The self-test of an arm can fail: one product with another sign."""
     folder, source = folder_of("planar_2r"), tmp_path / "planar_2r.c"

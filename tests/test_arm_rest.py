@@ -131,6 +131,23 @@ def test_the_levels_are_those_of_the_friction(geared: bool) -> None:
 
 
 @KINDS
+def test_at_the_loads_of_a_motion_the_levels_are_those_of_the_motion(geared: bool) -> None:
+    """`friction_budget_from_loads` at the values of `bearing_loads`; a slide has no force along its axis."""
+    chain, *_ = arms(3, geared)
+    asked = ("bearing_loads", "friction_budget", "friction_budget_from_loads", "regressor")
+    found = emitted(arm(chain, "An arm"), asked)
+    p = rubbing(found)
+    q, w, a = motions(3, 200)
+    met = dict(zip(found.BEARING_LOADS, found.bearing_loads(q, w, a, p).T, strict=True))
+    loads = (
+        np.stack([met.get(f"{name}_{j}", np.zeros(200)) for j in range(3)], axis=-1)
+        for name in ("F_N", "F_T", "M_B", "T")
+    )
+    at_loads = found.friction_budget_from_loads(q, w, *loads, p)
+    assert at_loads == pytest.approx(found.friction_budget(q, w, a, p), rel=1e-13)
+
+
+@KINDS
 def test_the_mass_matrix_gives_the_inverse_dynamics(geared: bool) -> None:
     """Symmetric and definite; times the accelerations it is what they add to the torque, rotors included."""
     _, found, p = arms(3, geared)
@@ -189,7 +206,7 @@ def as_mjcf(chain: Chain) -> str:
         full = [inertia[k] for k in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
         opened += (
             f'<body pos="{text(joint.placement.position)}" xyaxes="{text([*R[:, 0], *R[:, 1]])}">'
-            f'<joint type="{kind}" axis="{text(joint.axis)}"/>'
+            f'<joint name="{joint.name}" type="{kind}" axis="{text(joint.axis)}"/>'
             f'<inertial pos="{text(body.centre)}" mass="{float(body.mass)!r}" fullinertia="{text(full)}"/>'
         )
     closed = "</body>" * len(chain.joints)

@@ -130,7 +130,7 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
     [
         ("c2_parallel", [], r"c2_parallel: J_m, J_l: expected values from --parameters"),
         ("linear_axis", [], r"a turning drive .* got a linear axis"),
-        ("examples/arms/planar_2r.toml", [], r"a model of one drive .* an arm"),
+        ("examples/arms/planar_2r.toml", [], r"--to: expected budget for an arm, got 'mjcf'"),
         ("c2_parallel", ["--speeds", "5", "5"], r"--speeds: expected motor speeds 0 < LOW < HIGH"),
         ("nothing_of_that_name", [], r"expected a model, .* or the folder of a fit .*, got none"),
         ("docs", [], r"docs: expected the folder of a fit or a diagnosis"),

@@ -34,9 +34,9 @@ from eccentric.emission import (
     require_solvable,
     with_fitted,
 )
-from eccentric.exports import DEFAULT_SPEEDS, ExportedDrive
+from eccentric.exports import DEFAULT_SPEEDS, ExportedArm, ExportedDrive
 from eccentric.exports import export as exported
-from eccentric.model import model_names
+from eccentric.model import Model, model_names
 from eccentric.presentation import export_lines
 
 STEPPED = frozenset({"friction_step", "acceleration"})
@@ -179,44 +179,39 @@ def export(
     prefix: str | None = None,
     accept_misfit: bool = False,
 ) -> ExportResult:
-    """Write a drive, with its friction at rest and in motion, as a simulator model.
+    """Write a drive or an arm, with its friction at rest and in motion, for a simulator.
 
     Args:
-        source: a Model, its name, or the path of a derivation; a FitResult, or the path of a fit.json; or the
-            folder of a fit or of a diagnosis.
+        source: a Model, its name, or the path of a derivation; a FitResult, or the path of a fit.json; the
+            folder of a fit or of a diagnosis; or the path of an arm file or a URDF, for the target "budget".
         to: the target: "mjcf", "budget", "urdf", "usd", "bam", "newton" or "fmu".
         out: the output folder: new, empty, or written by eccentric.
         parameters: values for a model, as `emit` takes them.
         speeds: lowest and highest motor speed [rad/s] over which to fit the friction if the target has only
-            constant coefficients; by default those of the log, or 1 to 60 without a log.
+            constant coefficients; by default those of the log, or 1 to 60 without a log. None for an arm.
         prefix: name of the files; by default the model's name.
         accept_misfit: export the values of a fit or a diagnosis even if its log does not fit the rig.
 
     Raises:
-        InputError: there is no such model or target; the target cannot take the drive, an arm or a carriage;
+        InputError: there is no such model or target; the target cannot take the drive, arm or carriage;
             an inertia is not known, or friction follows the acceleration by more than it; the parameters are
             those of another model or of a log that does not fit its rig; the folder cannot be written.
     """
     model, given = _model_and_values(source, parameters)
     if isinstance(model, str | os.PathLike):
         refuse_other_files(model)
-        if is_arm(model):
-            raise InputError("model", "a model of one drive", f"an arm, {Path(model).name}", why="to export")
-    chosen = model_of(model)
+    fitted = None if given is None else read_parameters(given)
+    chosen = arm_of(model, fitted) if is_arm(model) else model_of(model)
     name = checked_name(
         *((chosen.name, f"model {chosen.name}: its name") if prefix is None else (prefix, "prefix"))
     )
-    identified = None
-    if given is None:
+    if fitted is None:
         chosen = replace(chosen, name=name)
     else:
-        fitted = read_parameters(given)
         require_fit(fitted.fits_the_rig, fitted.source, accept_misfit)
-        chosen, identified = with_fitted(chosen, fitted, name), speeds_of(document_of(given))
+        chosen = with_fitted(chosen, fitted, name)
     require_fit(chosen.fits_the_rig, origin_of(model), accept_misfit)
-    chosen_speeds = tuple(map(float, speeds if speeds is not None else identified or DEFAULT_SPEEDS))
-    drive = ExportedDrive(chosen, origin_of(model), chosen_speeds, speeds is None and bool(identified))
-    require_solvable(chosen, chosen_speeds[1])
+    drive = _exported_as(chosen, origin_of(model), given, speeds)
     found = exported(drive, to)
     with whole_folder(out, f"export {name} {to}") as folder:
         for file, content in found.files.items():
@@ -226,6 +221,21 @@ def export(
         warnings.warn(f"{name}: {text}", stacklevel=2)
     paths = tuple(Path(out) / file for file in found.files)
     return ExportResult(paths, tuple(export_lines(drive, found)))
+
+
+def _exported_as(
+    model: Model, origin: str, given: Path | Mapping[str, Any] | None, speeds: Sequence[float] | None
+) -> ExportedDrive | ExportedArm:
+    """What is exported, with the speeds over which its friction is approximated."""
+    if joints_of(model):
+        if speeds is not None:
+            raise InputError("speeds", "none for an arm", " ".join(map(str, speeds)))
+        return ExportedArm(model, origin)
+    identified = None if given is None else speeds_of(document_of(given))
+    chosen = tuple(map(float, speeds if speeds is not None else identified or DEFAULT_SPEEDS))
+    drive = ExportedDrive(model, origin, chosen, speeds is None and bool(identified))
+    require_solvable(model, chosen[1])
+    return drive
 
 
 def _model_and_values(

@@ -12,6 +12,7 @@ HELP = "write a drive and its friction as a simulator model"
 EXAMPLE = """eccentric export build/fit/fit.json --to mjcf --out build/mujoco
 eccentric export build/bench --to budget --out build/pendulum
 eccentric export build/fit --to fmu --out build/fmu
+eccentric export my_arm.toml --parameters build/arm_fit --to budget --out build/my_arm
 eccentric export my_derivation.py --parameters build/fit/fit.json --to mjcf --out build/mujoco"""
 
 
@@ -20,7 +21,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "source",
         metavar="MODEL|RESULT",
-        help="fit.json, folder of a fit or a diagnosis, model name, or path of a derivation",
+        help="fit.json, folder of a fit or a diagnosis, model name, or path of a derivation, an arm file or a"
+        " URDF",
     )
     targets = "; ".join(f"{name} ({target.meaning})" for name, target in EXPORTS.items())
     parser.add_argument("--to", metavar="TARGET", required=True, help=f"target: {targets}")

@@ -1,6 +1,6 @@
 """Export: a drive as a model of a simulator, with friction in the form that the simulator's own solver takes.
 
-    drive   the drive that is exported: levels and damping at its joint, on the link side
+    drive   what is exported: a drive, its levels and damping at its joint, on the link side; or an arm
     law     the nearest friction with constant coefficients, and its error
     export  the files of a target; each target is a file of its name
 
@@ -9,5 +9,5 @@ solver for is exported as levels of dry friction and damping, never as a torque.
 May import: `core`, `model`, `emission`.
 """
 
-from eccentric.exports.drive import DEFAULT_SPEEDS, ConstantLaw, ExportedDrive
+from eccentric.exports.drive import DEFAULT_SPEEDS, ConstantLaw, ExportedArm, ExportedDrive
 from eccentric.exports.export import Exported, export

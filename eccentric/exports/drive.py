@@ -1,4 +1,4 @@
-"""The drive that is exported: a pendulum with its friction, seen from the link side of the gear.
+"""What is exported: a pendulum with its friction, seen from the link side of the gear, or an arm.
 
 A joint of a simulator is the link: its angle is mu theta_m, its velocity mu omega_m. A torque there is one of
 the motor over mu, damping and inertia are those of the motor over mu^2.
@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from scipy.optimize import nnls
 
 from eccentric.core import InputError
 from eccentric.emission import inputs_of, joints_of, load_module
-from eccentric.model import TURNING, Model
+from eccentric.model import TURNING, ArmOutputs, Joint, Model
 
 Floats = NDArray[np.float64]
 
@@ -188,6 +188,31 @@ class ExportedDrive:
         cosine, _ = self.gravity
         nearest = round(cosine)  # an arc cosine near 1 has half the digits
         return math.acos(nearest if math.isclose(cosine, nearest, abs_tol=1e-12) else cosine)
+
+
+@dataclass(frozen=True, eq=False)
+class ExportedArm:
+    """An arm, with the values that are exported as its defaults; `origin` is the source of its physics."""
+
+    model: Model
+    origin: str
+
+    @property
+    def name(self) -> str:
+        """Of the model and its files."""
+        return self.model.name
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """From the base outwards."""
+        return cast("ArmOutputs", self.model.declares).found.chain.joints
+
+    @property
+    def without_friction(self) -> bool:
+        """Whether every coefficient of friction is 0."""
+        terms = [t for balance in self.model.balances for t in balance.terms if t.kind == "friction"]
+        used = {t.coefficient for t in terms}
+        return not any(q.default for q in self.model.parameters if q.symbol in used)
 
 
 # The nearest friction with constant coefficients, for simulators whose joints take no other.

@@ -9,7 +9,7 @@ from importlib import import_module
 
 from eccentric.core import EXPORTS, InputError
 from eccentric.emission import plain, template
-from eccentric.exports.drive import ConstantLaw, ExportedDrive
+from eccentric.exports.drive import ConstantLaw, ExportedArm, ExportedDrive
 from eccentric.version import __version__
 
 
@@ -30,8 +30,12 @@ class Exported:
     unwritten: tuple[str, tuple[str, ...]] = ("", ())
 
 
-def export(drive: ExportedDrive, to: str) -> Exported:
-    """The files of a drive for a target.
+OF_ARMS = ("budget",)
+"""Targets that an arm can be exported to; the file of each has the name of the target and `_arm`."""
+
+
+def export(drive: ExportedDrive | ExportedArm, to: str) -> Exported:
+    """The files of a drive, or of an arm, for a target.
 
     Raises:
         InputError: there is no such target, or it cannot take this drive.
@@ -44,11 +48,15 @@ def export(drive: ExportedDrive, to: str) -> Exported:
             f"{to!r}",
             hint=f"did you mean {' or '.join(near)}?" if near else "",
         )
-    write: Callable[[ExportedDrive], Exported] = import_module(f"eccentric.exports.{to}").write
+    of_arm = isinstance(drive, ExportedArm)
+    if of_arm and to not in OF_ARMS:
+        raise InputError("to", f"{' or '.join(OF_ARMS)} for an arm", f"{to!r}")
+    module = import_module(f"eccentric.exports.{f'{to}_arm' if of_arm else to}")
+    write: Callable[[ExportedDrive | ExportedArm], Exported] = module.write
     return write(drive)
 
 
-def head(drive: ExportedDrive) -> dict[str, object]:
+def head(drive: ExportedDrive | ExportedArm) -> dict[str, object]:
     """The variables that the templates of all targets have: name, title, source, version."""
     # Two hyphens would end a comment of XML.
     title, origin = (plain(text).replace("--", "- -") for text in (drive.model.title, drive.origin))

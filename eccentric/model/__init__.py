@@ -10,6 +10,7 @@ from eccentric.model import steps, vocabulary
 from eccentric.model.axis import AXES, LINEAR, TURNING, AxisKind, spoken_quantity, spoken_symbol
 from eccentric.model.balance import CONTACT, KINDS, Balance, Equation, Identity, Load, Role, Term
 from eccentric.model.chain import (
+    ArmOutputs,
     Body,
     Chain,
     DriveSymbols,
@@ -83,8 +84,8 @@ from eccentric.model.steps import (
 __all__ = [
     "ANGLE", "AXES", "CONTACT", "C_KEYWORDS", "DRIVE_PARTS", "GEARS", "IRON", "KINDS", "LINEAR", "MAGNETS",
     "MOTORS", "MOTOR_ANGLE", "NO_PART", "OUTPUT_ANGLE", "REDUCERS", "STEPS", "TURNING", "Across", "Along",
-    "Assignment", "AxisKind", "Backward", "Balance", "Body", "Bounded", "Bump", "ByDirection", "Chain",
-    "Change", "Chord", "Clipped", "Column", "Definition", "DriveSymbols", "Equation", "Expressions",
+    "ArmOutputs", "Assignment", "AxisKind", "Backward", "Balance", "Body", "Bounded", "Bump", "ByDirection",
+    "Chain", "Change", "Chord", "Clipped", "Column", "Definition", "DriveSymbols", "Equation", "Expressions",
     "Extension", "Forward", "FromTop", "Gated", "HalfCosine", "HalfSine", "Identity", "Input", "Interface",
     "Joint", "JointDrive", "Leading", "Load", "Magnitude", "Model", "Moments", "NumericFunction",
     "OpaqueStep", "Output", "PartValues", "Parts", "Placement", "Quantity", "Recursion", "Role", "Sgn",

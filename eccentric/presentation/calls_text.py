@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from eccentric.diagnosis import Diagnosis, extended_model, is_result_name, result_name, undecided
 from eccentric.effects import Effect
-from eccentric.exports import Exported, ExportedDrive
+from eccentric.exports import Exported, ExportedArm, ExportedDrive
 from eccentric.identification import Emitted, Refit
 from eccentric.model import Extension, Interface, Model, interface_of, needed
 
@@ -110,8 +110,14 @@ def _contains(model: Model, outputs: Interface, function: str, effect: Effect | 
 # How close the friction of an export is to the drive's, in words.
 
 
-def export_lines(drive: ExportedDrive, exported: Exported) -> list[str]:
+def export_lines(drive: ExportedDrive | ExportedArm, exported: Exported) -> list[str]:
     """What a person reads of an export; values at the joint, on the link side of the gear."""
+    if isinstance(drive, ExportedArm):
+        joints = ", ".join(joint.name for joint in drive.joints)
+        lines = [f"friction: exact, at the bearing loads that MuJoCo computes, of the joints {joints}"]
+        if drive.without_friction:
+            lines.append("all friction coefficients are 0: give those of a fit with --parameters")
+        return lines
     law = exported.law
     low, high = drive.link_speeds
     whence = ", as in the log" if drive.identified else ""

@@ -40,6 +40,7 @@ _RANGES = {
     "t": (0.0, 1e6),
     "temperature": (-60.0, 3e2),
     "dt": (-1e2, 1e2),
+    **dict.fromkeys(("F_N", "F_T", "M_B", "T"), (0.0, 1e5)),
 }
 # Where a force is logged, k_f is 1 N/A, and a current is as large as the force.
 _OF_A_CARRIAGE = {**_RANGES, "i": (-1e6, 1e6), "force": (-1e6, 1e6)}
@@ -90,7 +91,8 @@ def view(
     entries; `axis` is what moves.
     """
     states = [state.quantity for state in model.states]
-    known = {q.name: q for q in (*model.inputs, *states, v.dt)}
+    loads = (x.quantity for output in interface_of(model).outputs for x in output.inputs) if joints else ()
+    known = {q.name: q for q in (*model.inputs, *states, v.dt, *loads)}
     known |= {q.name: q for q in (v.theta_m, v.omega_m, v.alpha_m, v.i, v.u, v.temperature)}
     torque = spoken_quantity(axis, v.torque)
     known[torque.name] = torque

@@ -18,4 +18,5 @@ from eccentric.model.chain.chain import Chain, identity_of, unlike, with_numbers
 from eccentric.model.chain.drive import DriveSymbols, JointDrive, arm, drive_balances, drives, friction_units
 from eccentric.model.chain.inertial import letters_of, with_bodies, with_letters
 from eccentric.model.chain.links import Body, Joint, Moments, Placement
+from eccentric.model.chain.outputs import ArmOutputs
 from eccentric.model.chain.recursion import Recursion, at_rest, recursion

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -23,6 +23,13 @@ from eccentric.model.rest import Levels, NamedSteps, budget, levels
 from eccentric.model.steps import HalfCosine, HalfSine, meaning
 
 _LOADS = {Load.NORMAL: "F_N", Load.TRANSVERSAL: "F_T", Load.BENDING: "M_B", Load.TRANSMITTED: "T"}
+_OF_LOADS = {
+    Load.NORMAL: ("N", "forces across the axes of the joints"),
+    Load.TRANSVERSAL: ("N", "forces along the axes of the joints"),
+    Load.BENDING: ("N m", "moments on the bearings of the joints"),
+    Load.TRANSMITTED: ("N m", "sizes of the torques that the drives of the joints transmit"),
+}
+"""Unit and meaning of each load as an input; of a slide the last is a force."""
 _TORQUES = "torques of the motors, all but friction: those of the drives less those of weight and velocities"
 _Results = Iterable[tuple[str, sp.Expr]]
 
@@ -47,6 +54,7 @@ class _Declared(NamedTuple):
         unit, meaning: as in `Output`.
         moves: whether it takes velocities and accelerations in addition to angles.
         by_torques: whether the motor torques come last, before the time step.
+        by_loads: whether it takes the bearing loads instead of computing them from the motion.
         on_request: as in `Output`.
     """
 
@@ -54,6 +62,7 @@ class _Declared(NamedTuple):
     meaning: str
     moves: bool = True
     by_torques: bool = False
+    by_loads: bool = False
     on_request: bool = False
 
 
@@ -105,8 +114,8 @@ class _Outputs:
     def _made(self, name: str, one: _Declared, method: _Made | None = None, **more: Any) -> Output:
         n, results = len(self._joints), method or getattr(_Outputs, name)
 
-        def per_motor(name: str, unit: str, meaning: str) -> Input:
-            return Input(quantity(name, unit, meaning), n)
+        def per_motor(name: str, unit: str, meaning: str, domain: str = "real") -> Input:
+            return Input(quantity(name, unit, meaning, domain=domain), n)
 
         motion = (
             per_motor("theta_m", "rad", f"angles of the {n} motors"),
@@ -121,6 +130,9 @@ class _Outputs:
             *map(Input, (v.t, *(state.quantity for state in self._model.states))),
         )
         torques = (Input(replace(v.torque, meaning=_TORQUES), n),) if one.by_torques else ()
+        loads = tuple(
+            per_motor(_LOADS[load], *of, "nonnegative") for load, of in _OF_LOADS.items() if one.by_loads
+        )
 
         def expressions() -> Expressions:
             values = results(self)
@@ -130,9 +142,9 @@ class _Outputs:
             name,
             one.unit,
             one.meaning,
-            (*motion, *others, *torques, Input(v.dt)),
+            (*motion, *loads, *others, *torques, Input(v.dt)),
             expressions,
-            frozenset(x.quantity.name for x in motion),
+            frozenset(x.quantity.name for x in (*motion[: 2 if loads else 3], *loads)),
             on_request=one.on_request,
             **more,
         )
@@ -257,13 +269,33 @@ class _Outputs:
         "levels of dry friction of every motor at this state, and the viscous coefficient",
     )
     def friction_budget(self) -> Expressions:
+        return self._budget({})
+
+    @_output(
+        "N m, N m, N m s/rad",
+        "levels of dry friction of every motor and its viscous coefficient, at given bearing loads",
+        by_loads=True,
+        on_request=True,
+    )
+    def friction_budget_from_loads(self) -> Expressions:
+        given = {
+            load: sp.Symbol(f"{_LOADS[kind]}_{j}", real=True)
+            for j, bearing in enumerate(self._found.bearings)
+            for kind, load in bearing.loads.items()
+            if load.is_Symbol
+        }
+        return self._budget(given)
+
+    def _budget(self, given: Mapping[sp.Expr, sp.Expr]) -> Expressions:
+        """The levels and the viscous coefficient of every joint; `given` are loads that are not computed."""
         omegas = [inputs.omega_m.symbol for inputs in self._found.inputs]
         results = [
-            (f"{label}_{j}", value)
+            (f"{label}_{j}", value.xreplace(given))
             for j, (dry, omega_m) in enumerate(zip(self._levels, omegas, strict=True))
             for label, value in budget(dry, omega_m)
         ]
-        return _expressions(results, self._stable(self._both_ways))
+        definitions = (a for a in self._stable(self._both_ways) if a.target not in given)
+        return _expressions(results, tuple(replace(a, value=a.value.xreplace(given)) for a in definitions))
 
     @_output("N m", "resultant friction torque F of every motor, back-EMF damping included, eq (6)")
     def friction_torque(self) -> _Results:
