@@ -133,6 +133,17 @@ COARSE_ROW_S = 0.01
 drive with a time constant of 0.3 s by less than 2 %, and what looks like it may be a delay."""
 PROVED = 3.0
 """Standard errors of the evidence for a hold: one log in 700 of sampled drives would show as much."""
+CIRCUIT_EXPLAINED = 0.9
+"""R^2 of u = R i + k_e w from which the voltage beside a current that jumps is that of its winding."""
+SAMPLED_WHEN = 0.1
+"""Standard error, in rows, up to which start, middle and end of a row are told apart, half a row each."""
+GUESSES = 3
+"""Of when in its row a current was sampled: each leaves a tenth of the last one's error."""
+JUMP = 5.0
+"""Step of a voltage over the median step from which it is a jump: half of the steps of a log are noise."""
+FALLS = 0.5
+"""Median of what the slope of a current over the speed leaves of its steps, over the median of these, up to
+which it falls with the speed between its jumps."""
 HOLD_WINDOW_S = 0.3
 """Shortest windows that the evidence is taken from: in shorter ones, the noise of an encoder of 2,000 counts
 is most of the acceleration."""
