@@ -107,14 +107,14 @@ def test_a_current_alone_behind_a_hold_is_of_the_time_of_its_row(rate_hz: float)
     logged = {n: x for n, x in log(rate_hz, True, 1, late=0.0).items() if n != "voltage_V"}
     said = read_channels([table(logged)], read_rig(CURRENT)).intake.warnings
 
-    assert any("samples at the start of each row" in one for one in said)
+    assert any("sampled at row starts" in one for one in said)
     assert pytest.approx(A, rel=1e-2) == eccentric.fit(logged, CURRENT).estimates["J"].value
 
 
 def test_a_current_of_a_ramp_is_not_behind_a_hold() -> None:
     """A voltage that ramps makes no jumps."""
     said = read_channels([table(log(20.0, False, 1, late=0.0))], read_rig(CURRENT)).intake.warnings
-    assert not any("each row" in one for one in said)
+    assert not any("sampled at row" in one for one in said)
 
 
 def test_a_hold_is_reported_and_can_be_denied() -> None:

@@ -78,19 +78,17 @@ def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], B
     if more < limits.PROVED:
         return kinds, None, []
     name = rig.axis.named(by)
-    if (behind := _behind_hold(points, rig, by, step)) is not None:
-        said = (
-            f"the {name} jumps from row to row, {step:.3g} s each, and falls with the speed in between, as"
-            " behind a voltage that is held: it is taken for samples at the"
-            f" {'end' if behind.late else 'start'} of each row ([kinds] {name} of the rig overrides this)"
-        )
-        of_voltage = {"voltage": "held"} if "voltage" in points.table.channels else {}
-        return {**of_voltage, **kinds}, behind, [said]
+    behind, voltage = _behind_hold(points, rig, by, step), "voltage" in points.table.channels
+    if behind is None:
+        how, kinds = "held from row to row", {**kinds, by: "held"}
+    else:
+        how = f"held but for back-EMF, and sampled at row {'ends' if behind.late else 'starts'}"
+        kinds = {"voltage": "held", **kinds} if voltage else kinds
     said = (
-        f"the {name} is held from row to row, {step:.3g} s each: that explains the motion better than samples"
+        f"the {name} is {how}, {step:.3g} s each: that explains the motion better than samples"
         f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" of the rig overrides this)'
     )
-    return {**kinds, by: "held"}, None, [said]
+    return kinds, behind, [said]
 
 
 def _behind_hold(points: _Points, rig: Rig, by: str, step: float) -> BehindHold | None:
