@@ -52,9 +52,18 @@ def _after(theta: float, w: float, u: float, rate: float, seconds: float) -> tup
 
 
 def log(
-    rate_hz: float, held: bool, seed: int, noise_rad: float = 2e-4, seconds: float = 60.0
+    rate_hz: float,
+    held: bool,
+    seed: int,
+    noise_rad: float = 2e-4,
+    seconds: float = 60.0,
+    late: float | None = None,
 ) -> dict[str, NDArray[Any]]:
-    """A log: a new level each 0.7 s, held from row to row, or ramps between them; noise on the angle."""
+    """A log: a new level each 0.7 s, held from row to row, or ramps between them; noise on the angle.
+
+    With `late`, also the current u = R i + k_e w of a winding of 1 ohm and 1 V s/rad, so many parts of a row
+    after its time.
+    """
     rng, dt = np.random.default_rng(seed), 1.0 / rate_hz
     n, every = int(seconds * rate_hz) + 1, max(1, round(0.7 * rate_hz))
     levels = rng.uniform(-6.0, 6.0, n // every + 3)
@@ -63,12 +72,16 @@ def log(
         if held
         else np.interp(np.arange(n + 1) / every, np.arange(len(levels)), levels)
     )
-    theta, w, angles = 0.0, 0.0, np.empty(n)
+    theta, w, angles, current = 0.0, 0.0, np.empty(n), np.empty(n)
     for k in range(n):
         angles[k] = theta
-        theta, w = _after(theta, w, u[k], 0.0 if held else (u[k + 1] - u[k]) / dt, dt)
-    return {
+        ramp = 0.0 if held else (u[k + 1] - u[k]) / dt
+        if late is not None:
+            current[k] = u[k] + ramp * late * dt - _after(theta, w, u[k], ramp, late * dt)[1]
+        theta, w = _after(theta, w, u[k], ramp, dt)
+    logged = {
         "time_s": np.arange(n) * dt,
         "theta_m_rad": angles + noise_rad * rng.standard_normal(n),
         "voltage_V": u[:n] + 0.02 * rng.standard_normal(n),
     }
+    return logged if late is None else {**logged, "current_A": current + 0.01 * rng.standard_normal(n)}

@@ -28,6 +28,7 @@ from eccentric.drafting.limits import (
     NUMBERS_AT_ONCE,
     SAME_SHAFT,
     SCANNED,
+    SHOWN,
     SIGN,
     STILL,
 )
@@ -59,6 +60,7 @@ class Explained:
         zero: the angle at which gravity vanishes and the mass hangs, in the unit of the angle.
         offset: mean of the column beyond all this, over its standard deviation.
         both: whether both directions are in it.
+        follows: whether what friction and inertia leave follows the angle, over too little of it for gravity.
     """
 
     r2: float
@@ -71,6 +73,7 @@ class Explained:
     zero: float
     offset: float
     both: bool
+    follows: bool = False
 
     def without_gravity(self) -> Explained:
         """The same without what repeats with the angle."""
@@ -115,13 +118,14 @@ def balance_of(motion: Moved, y: Array, *, periodic: bool = True, shortest: floa
     total = float(np.var(y))
     r2_plain = 1.0 - _left(plain, y) / total
     k, turns = _wave(plain, x, y, shortest) if periodic else (0.0, 0.0)
-    design, gain = plain, 0.0
+    design, gain, follows = plain, 0.0, False
     if k:
         design = np.column_stack([plain, np.sin(k * x), np.cos(k * x)])
         gain = 1.0 - _left(design, y) / total - r2_plain
         signed = np.column_stack([plain, np.sign(w) * np.sin(k * x), np.sign(w) * np.cos(k * x)])
         least = GRAVITY if turns > DRIFTS else GRAVITY_OR_DRIFT
         if gain < least or (both and 1.0 - _left(signed, y) / total - r2_plain > gain):
+            follows = turns <= DRIFTS and gain > SHOWN * (1.0 - r2_plain) > 0.0
             k, design, gain = 0.0, plain, 0.0
     c = np.linalg.lstsq(design, y, rcond=None)[0]
     spread = float(np.std(y))
@@ -145,6 +149,7 @@ def balance_of(motion: Moved, y: Array, *, periodic: bool = True, shortest: floa
         zero=float(np.arctan2(-c[5], c[4]) / k) if k else 0.0,
         offset=float(c[0]) / spread,
         both=both,
+        follows=follows,
     )
 
 
@@ -329,11 +334,9 @@ def gear_of(best: Reading, given: Shown, balance: Explained | None) -> Gear:
         side = "l" if _on_link(best, given) else "m"
         return Gear(side, side, _by_gravity(best, balance))
     by, doubt = max(best.ratio, 1.0 / best.ratio), "" if _has_units(given) else GUESSED_UNITS
-    if best.ratio < 1.0:
-        why = f"the logged speed is {best.ratio:.4g} times the slope of the angle: that of the link"
-        return Gear("m", "l", _line(by, why, doubt))
-    why = f"the logged speed is {by:.4g} times the slope of the angle: that of the motor"
-    return Gear("l", "m", _line(by, why, doubt))
+    angle, speed, shaft = ("m", "l", "link") if best.ratio < 1.0 else ("l", "m", "motor")
+    why = f"the logged speed is {best.ratio:.4g} times the slope of the angle: that of the {shaft}"
+    return Gear(angle, speed, _line(by, why, doubt))
 
 
 def _two_shafts(best: Reading, given: Shown) -> bool:
@@ -349,7 +352,7 @@ def _two_shafts(best: Reading, given: Shown) -> bool:
         return False
     if names == (angle, speed):
         return True
-    return _has_units(given) and (bool(best.gear) or _whole(max(best.ratio, 1.0 / best.ratio)) > 0)
+    return bool(best.gear) or _whole(max(best.ratio, 1.0 / best.ratio)) > 0
 
 
 def _has_units(given: Shown) -> bool:

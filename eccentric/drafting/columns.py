@@ -13,18 +13,20 @@ from scipy.signal import savgol_filter
 
 from eccentric.core import InputError
 from eccentric.drafting.limits import COMPARED, DERIVATIVE, ROUGHLY, SMOOTH_ROWS, SMOOTH_S, WRAP
-from eccentric.drafting.words import Name, made_by, read_name
+from eccentric.drafting.words import Name, are_numbered, made_by, read_name
 from eccentric.logs import Log
+from eccentric.signals import far_from_others
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class LoggedColumn:
-    """A column of numbers (n,), missing ones interpolated, and its name."""
+    """A column of numbers (n,), missing ones and damaged ones of a motion interpolated, and its name."""
 
     name: Name
     values: Array
+    astray: int = 0
 
     @property
     def text(self) -> str:
@@ -66,7 +68,7 @@ class LoggedColumn:
 
 def columns_of(log: Log, rows: slice) -> tuple[dict[str, LoggedColumn], dict[str, NDArray[np.str_]]]:
     """The columns of numbers and those of text, by name; one without any number is left out."""
-    made = made_by(log.columns)
+    made, numbered = made_by(log.columns), are_numbered(log.columns)
     numbers: dict[str, LoggedColumn] = {}
     texts: dict[str, NDArray[np.str_]] = {}
     for name in log.columns:
@@ -80,13 +82,16 @@ def columns_of(log: Log, rows: slice) -> tuple[dict[str, LoggedColumn], dict[str
         there = np.isfinite(values)
         if np.count_nonzero(there) < 2:
             continue
-        if not np.all(there):
-            at = np.arange(len(values))
-            values = np.interp(at, at[there], values[there])
-        said = read_name(name, log.units.get(name, ""))
+        said = Name(name) if numbered else read_name(name, log.units.get(name, ""))
         if name in made and not said.unit:
             said = replace(said, unit=made[name][0], maker=made[name][1])
-        numbers[name] = LoggedColumn(said, values)
+        lone = far_from_others(values) if said.quantity in ("angle", "speed", "") else ~there
+        at, good = np.arange(len(values)), there & ~lone
+        numbers[name] = LoggedColumn(
+            said,
+            values if np.all(good) else np.interp(at, at[good], values[good]),
+            int(np.count_nonzero(lone & there)),
+        )
     return numbers, texts
 
 

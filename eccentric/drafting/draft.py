@@ -107,6 +107,7 @@ def _beside(name: Name) -> str:
     return ""
 
 
+TURNS = 'where each row is the time of one turn, write a rig file with events = "revolution"'
 OF_SUPPLY = "the current of the supply, which is not that of the motor"
 
 
@@ -124,7 +125,7 @@ def draft_of(log: Log) -> Draft:
             log.path,
             "an angle or a speed",
             "the time alone",
-            hint='where each row is the time of one turn, write a rig file with events = "revolution"',
+            hint=TURNS,
         )
     grid = grid_of(clock.raw * SECONDS[clock.unit], clock.breaks)
     if not grid.parts:
@@ -151,7 +152,8 @@ def draft_of(log: Log) -> Draft:
     left_out |= {n: _BY_RUN for n, c in left.items() if n not in taken and _is_of_runs(c, ends)}
     left_out |= {name: why for name, entries in texts.items() if (why := _spoilt(log, name, entries))}
     free = [c for n, c in left.items() if n not in taken and n not in left_out]
-    angle, speed, pair, doubt = _moving(grid, free, [*left.values()], log.path)
+    hint = TURNS if clock.uneven else ""
+    angle, speed, pair, doubt = _moving(grid, free, [*left.values()], log.path, hint)
     if angle is not None and speed is not None and _along_the_rim(angle, speed):
         speed = pair = None
     doubt = "; ".join(filter(None, (doubt, joint.doubt)))
@@ -269,7 +271,7 @@ def _said(pair: Pair | None) -> list[str]:
 
 
 def _moving(
-    grid: Grid, free: Sequence[LoggedColumn], every: Sequence[LoggedColumn], where: str
+    grid: Grid, free: Sequence[LoggedColumn], every: Sequence[LoggedColumn], where: str, hint: str
 ) -> tuple[LoggedColumn | None, LoggedColumn | None, Pair | None, str]:
     """The angle and the speed: a column and its slope, by their names, or what explains a third column."""
     signals = [c for c in free if c.name.signal]
@@ -304,7 +306,7 @@ def _moving(
     if angle is not None or speed is not None:
         return angle, speed, None, ""
     return (
-        *_explaining(grid, could, _few(signals, KINDS), where),
+        *_explaining(grid, could, _few(signals, KINDS), where, hint),
         None,
         "no name: it is what explains the other columns best as a motion",
     )
@@ -361,7 +363,7 @@ def _first(could: Sequence[LoggedColumn], quantity: str) -> LoggedColumn | None:
 
 
 def _explaining(
-    grid: Grid, could: Sequence[LoggedColumn], free: Sequence[LoggedColumn], where: str
+    grid: Grid, could: Sequence[LoggedColumn], free: Sequence[LoggedColumn], where: str, hint: str
 ) -> tuple[LoggedColumn | None, LoggedColumn | None]:
     """The column that explains another best as an angle or as a speed."""
     tried: list[tuple[float, LoggedColumn | None, LoggedColumn | None, LoggedColumn]] = []
@@ -386,6 +388,7 @@ def _explaining(
             where,
             problem=f"expected an angle or a speed; no column looks like one"
             f" ({few([c.text for c in could]) or 'all others have names of other quantities'})",
+            hint=hint,
         )
     return best[1], best[2]
 
@@ -519,6 +522,8 @@ def _channels(
             said = [*_said(pair), *said]
         if column.name.quantity == what:
             said.insert(0, f"{what} by its name")
+        if column.astray:
+            said.append(f"{column.astray} rows far from those beside are left out")
         doubts = [doubt] if doubt else []
         if column.name.role == "electrical":
             doubts.append(ELECTRICAL)
@@ -547,8 +552,9 @@ def _channels(
             doubts.append("the log does not show how many counts make a turn: set encoder_counts_per_rev")
         channel = f"theta_{gear.angle}" if what == "angle" else f"omega_{gear.speed}"
         by_gravity = best.by_gravity if what == "angle" else ()
+        turned = what == "speed" and given.angle is not None and given.factor < 0.0
         found_in = Proposal(
-            channel, column.text, unit, tuple(said), sure, "; ".join(doubts), by_gravity=by_gravity
+            channel, column.text, unit, tuple(said), sure, "; ".join(doubts), turned, by_gravity=by_gravity
         )
         if unit == REGISTER:
             found_in = found_in.doubted(f"{REGISTER} (Dynamixel X): check")

@@ -127,6 +127,8 @@ def _case(given: Shown, balance: Explained | None) -> RigLine:
         return RigLine("known", "case", '"C2"', why, "" if turns > 1.0 else short)
     why = "no gravity: nothing in the drive repeats with the angle in both directions"
     doubt = "a light mass or a barely moving axis would look the same in the log"
+    if balance.follows:
+        doubt = "the drive follows the angle: a spring, or gravity (C2) over a part of a turn?"
     if given.angle is None:
         doubt = "without an angle gravity cannot be seen"
     return RigLine("known", "case", '"C1"', why, doubt)

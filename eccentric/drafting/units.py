@@ -467,7 +467,7 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
             factor, ratio, said = _slope(off, given.factor, gear)
             weight *= factor
             why["speed"] += said
-    fastest = given.fastest * later * (unit if angle else per)
+    fastest = given.fastest * later * (unit if angle else per) * max(ratio, 1.0)
     if fastest > 0.0:
         decades = math.log10(fastest / limits.USUAL_SPEED) / limits.SPEED_DECADES
         weight *= math.exp(-0.5 * min(decades**2, 16.0))
@@ -534,12 +534,11 @@ def _shape(given: Shown, angle: str, unit: float) -> tuple[float, tuple[str, ...
     if given.step and not (column.is_whole and given.step >= 1.0):
         counts = TURN / (given.step * unit)
         power = 2.0 ** round(math.log2(counts)) if counts > 64.0 else 0.0
-        if power and abs(counts / power - 1.0) < 1e-3:
-            weight, said = weight * 0.5, (*said, f"its step is one turn over {power:.0f} in {angle}")
-        elif counts > 90.0 and (nice := nice_counts(counts, 1e-3)):
-            weight, said = weight * 0.2, (*said, f"its step is one turn over {nice:.0f} in {angle}")
-        else:
-            weight *= 0.03
+        usual = bool(power) and abs(counts / power - 1.0) < 1e-3
+        nice = power if usual else nice_counts(counts, 1e-3) if counts > 90.0 else 0.0
+        weight *= 0.5 if usual else 0.2 if nice else 0.03
+        if nice:
+            said += (f"its step is one turn over {nice:.0f} in {angle}",)
     elif column.is_whole and given.step >= 1.0:
         weight *= 0.01
     return weight, said

@@ -238,7 +238,7 @@ def read_name(text: str, unit: str = "") -> Name:
         quantity, found = "angle", "counts"
     if not named and words[:1] == ["ms"] and not found:
         quantity, word, found = "time", "ms", "ms"  # ms_today
-    if not named and words[:1] == ["f"]:
+    if not named and words[:1] == ["f"] and not _HUNGARIAN.match(plain):
         quantity, word = "torque", "f"
     if not named and words[:1] == ["m"] and role in ("measured", "set"):
         quantity, word = "torque", "m"  # M_ist, M_soll
@@ -253,6 +253,8 @@ def read_name(text: str, unit: str = "") -> Name:
 
 _NO_UNITS = frozenset({"min", "hz", "count", "counts", "cnt", "inc", "ticks", "grad", "rev", "rads"})
 """Units that are names of other things where they are the whole name of a column."""
+_HUNGARIAN = re.compile(r"f[A-Z]")
+"""A floating-point number by its name, as fLoad: no force."""
 _LETTER = re.compile(r"(?<![A-Za-z])[A-Z]\d*$|(?<=[a-z])[A-Z]\d+$")
 _OUTPUT = re.compile(r"^(out\.|simout|yout|\"?model root\"?/)+", re.IGNORECASE)
 """What Simulink calls what holds all outputs, and dSPACE all signals: no side of a gear, and no model's."""
@@ -364,6 +366,15 @@ def made_by(names: Iterable[str]) -> dict[str, tuple[str, str]]:
         for name, end in ends.items()
         if end in units
     }
+
+
+def are_numbered(names: Iterable[str]) -> bool:
+    """Whether all names are one letter with the number of the column, as R writes them: no quantity."""
+    of = [re.fullmatch(r"([A-Za-z])(\d+)", name) for name in names]
+    letters = {one[1] for one in of if one}
+    return (
+        len(of) > 2 and len(letters) == 1 and [int(one[2]) for one in of if one] == [*range(1, len(of) + 1)]
+    )
 
 
 def is_of_supply(name: Name) -> bool:

@@ -301,10 +301,10 @@ def _header(above: Sequence[tuple[int, list[str]]], rows: Sequence[Sequence[str]
         block.insert(0, (k, full))
     if not block:
         return None
-    # A row of units names a column more than once, or all of its cells are units.
+    # A row of units names a column more than once, or half of its cells are units, as of "ms;Grad;U/min;A".
     once = [place for place, (_, cells) in enumerate(block) if not _repeats(cells)]
     place = once[-1] if once else 0
-    if place and all(_is_unit(cell) or cell in ("", "-") for cell in block[place][1]):
+    if place and 2 * _units_in(block[place][1]) >= width > 2 * _units_in(block[place - 1][1]):
         place -= 1
     line, cells = block[place]
     # A delimiter at the end of every row makes no column.
@@ -333,6 +333,11 @@ def _full(cells: list[str], width: int, empty: Sequence[bool]) -> list[str] | No
 def _repeats(cells: Sequence[str]) -> bool:
     given = [cell for cell in cells if cell]
     return len(set(given)) < len(given)
+
+
+def _units_in(cells: Sequence[str]) -> int:
+    """How many cells are units, or say that there is none."""
+    return sum(_is_unit(cell) or cell in ("", "-") for cell in cells)
 
 
 def _is_unit(cell: str) -> bool:

@@ -41,12 +41,12 @@ from eccentric.signals.motion import (
     uneven,
 )
 from eccentric.signals.quality import assess
-from eccentric.signals.rows import at_times, evidence, refined
+from eccentric.signals.rows import BehindHold, at_times, behind_hold, evidence, refined
 from eccentric.signals.sampling import windows_by_parts
 from eccentric.signals.table import Holdout, Table, hold_out, read_table
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
 
 Array = NDArray[np.float64]
@@ -64,7 +64,7 @@ def is_coarse(table: Table, rig: Rig) -> bool:
     return rig.sampling.low_pass_hz * logged_step(table) > limits.COARSE and not rig.sampling.average_over
 
 
-def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], list[str]]:
+def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], BehindHold | None, list[str]]:
     """What a row's value stands for, by channel: by the rig, or as a coarse log proves; and a warning."""
     kinds, by = rig.log.kinds, _drive(points.table.channels, rig)
     by = "torque_l" if by not in points.table.channels else by
@@ -73,16 +73,34 @@ def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], l
         or step < limits.COARSE_ROW_S * (1.0 - limits.ROUNDED_RATE)
         or math.isinf(rig.sampling.average_over)
     ):
-        return kinds, []
+        return kinds, None, []
     more = _evidence_of_hold(points, rig, by, step)
     if more < limits.PROVED:
-        return kinds, []
+        return kinds, None, []
     name = rig.axis.named(by)
+    behind, voltage = _behind_hold(points, rig, by, step), "voltage" in points.table.channels
+    if behind is None:
+        how, kinds = "held from row to row", {**kinds, by: "held"}
+    else:
+        how = f"held but for back-EMF, and sampled at row {'ends' if behind.late else 'starts'}"
+        kinds = {"voltage": "held", **kinds} if voltage else kinds
     said = (
-        f"the {name} is held from row to row, {step:.3g} s each: that explains the motion better than samples"
+        f"the {name} is {how}, {step:.3g} s each: that explains the motion better than samples"
         f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" of the rig overrides this)'
     )
-    return {**kinds, by: "held"}, [said]
+    return kinds, behind, [said]
+
+
+def _behind_hold(points: _Points, rig: Rig, by: str, step: float) -> BehindHold | None:
+    """How a current falls with the speed between jumps; None for a voltage, and where it does not."""
+    there = "voltage" in points.table.channels
+    if by == "voltage" or (
+        there
+        and rig.log.kinds.get("voltage", "") != "held"
+        and ("voltage" in rig.log.kinds or _evidence_of_hold(points, rig, "voltage", step) < limits.PROVED)
+    ):
+        return None
+    return behind_hold(points.table, by, of_voltage=there)
 
 
 def _evidence_of_hold(points: _Points, rig: Rig, by: str, step: float) -> float:
@@ -215,20 +233,24 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     warnings += said
     cut, doubts = rig.sampling.low_pass_hz, uneven(logged, rig.axis)
     step = logged_step(logged)
-    kinds, said = _kinds(points, rig, step)
+    kinds, behind, said = _kinds(points, rig, step)
     warnings += said
+
+    def read_by(how: Callable[[Table, Mapping[str, str]], Table]) -> Table:
+        return how(table, kinds) if behind is None else behind.read(how, table, kinds)
+
     together = rows_a_point(step, rig) if logged.is_excerpt else 1
     if together > 1:
-        points = _points(thinned(at_times(table, kinds), together), rig, quantum, 1)
+        points = _points(thinned(read_by(at_times), together), rig, quantum, 1)
     elif is_coarse(logged, rig):
         # The unwrapped angle is interpolated, since the wrapped one jumps; a spline needs no even steps.
         points, cut, doubts = (
-            _points(refined(table, kinds), rig, quantum, limits.POINTS_PER_ROW),
+            _points(read_by(refined), rig, quantum, limits.POINTS_PER_ROW),
             math.inf,
             [],
         )
-    elif kinds:
-        points = dataclasses.replace(points, table=at_times(table, kinds))
+    elif kinds or behind:
+        points = dataclasses.replace(points, table=read_by(at_times))
     motion, said = motion_of(points.t, points.theta, points.segment, cut, rig.axis)
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
     channels = dataclasses.replace(_channels(points, motion, rig, step * together), lines=lines)

@@ -29,6 +29,7 @@ Severity = Literal["note", "warning"]
 TURN = 2.0 * np.pi
 
 
+DROPPED = ": such rows are dropped"
 _DOUBTFUL = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
 
 
@@ -119,7 +120,7 @@ def clock_of(log: Log, labels: Integers, t: Array, kept: Mask) -> ClockOfLog:
     if lost:
         text = (
             f"{log.path}: {counted(len(lost), 'row')} with a time out of order or twice (first:"
-            f" {log.place(lost[0])}): such rows are dropped"
+            f" {log.place(lost[0])}){DROPPED}"
         )
         said.append(Finding("bad_time", "time", text, len(lost), "warning"))
     if again:
@@ -189,9 +190,47 @@ def frozen_tails(log: Log, labels: Integers, channels: Sequence[Array], kept: Ma
         return Stale(rows, ())
     text = (
         f"{log.path}: {counted(count, 'row')} at the end of a run repeat the one before in every channel"
-        f" (first: {log.place(int(np.flatnonzero(rows)[0]))}): such rows are dropped"
+        f" (first: {log.place(int(np.flatnonzero(rows)[0]))}){DROPPED}"
     )
     return Stale(rows, (Finding("frozen_tail", "time", text, count, "warning"),))
+
+
+def astray(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) -> Stale:
+    """The rows of which one of these channels, angles or speeds, is far from the rows on both sides of it."""
+    rows = np.zeros(len(kept), dtype=bool)
+    for own in _stretches(labels, kept):
+        for x in channels:
+            rows[own] |= far_from_others(x[own])
+    count = int(np.count_nonzero(rows))
+    if not count:
+        return Stale(rows, ())
+    text = (
+        f"{log.path}: {counted(count, 'row')} with an angle or a speed far from those beside (first:"
+        f" {log.place(int(np.flatnonzero(rows)[0]))}){DROPPED}"
+    )
+    return Stale(rows, (Finding("astray", "theta_m", text, count, "warning"),))
+
+
+def far_from_others(x: Array) -> Mask:
+    """Rows of an angle or a speed (n,) whose value no motion reaches and leaves again within a row.
+
+    A transmission that failed, a first row left from before, a last one cut short. An angle that goes back
+    and forth where it wraps is not one: those steps are of the size of its range.
+    """
+    out, steps = np.zeros(len(x), dtype=bool), np.abs(np.diff(x))
+    if len(steps) < limits.FEWEST_BESIDE:
+        return out
+    usual = float(np.quantile(steps, limits.FASTEST_ROWS))
+    far = steps > limits.ASTRAY * usual
+    if usual <= 0.0 or not np.any(far):
+        return out
+    out[1:-1] = far[1:] & far[:-1] & (np.abs(x[2:] - x[:-2]) <= limits.ASTRAY * usual)
+    out[0], out[-1] = far[0] and not out[1], far[-1] and not out[-2]
+    if np.count_nonzero(out) > max(limits.LONE, limits.MOST_ASTRAY * len(x)):
+        return np.zeros_like(out)
+    low, high = float(np.min(x[~out])), float(np.max(x[~out]))
+    size = np.r_[steps[:1], np.maximum(steps[:-1], steps[1:]), steps[-1:]]
+    return out & (np.abs(size - (high - low)) > limits.WRAPS * (high - low))
 
 
 def polled(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) -> Stale:

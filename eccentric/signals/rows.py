@@ -394,3 +394,111 @@ def evidence(rows: Rows, target: Array, one: Array, other: Array) -> float:
     more = np.bincount(block, likelihoods[0] - likelihoods[1])
     spread = float(np.sqrt(np.sum((more - more.mean()) ** 2)))
     return float(more.sum()) / spread if spread else 0.0
+
+
+# A current behind a voltage that is held.
+#
+# The winding makes u = R i + k_e w.  A voltage that is held from row to row makes a current that jumps with
+# it and falls with the speed in between: i - slope w, with slope = -k_e/R, is what is held.  Samples alone,
+# and a hold of the current, both shift what lies between the jumps by half a row, which the inertia takes up:
+# J +- k_i k_e h/(2 R) for rows of h, with an interval a hundred times narrower.
+
+
+@dataclass(frozen=True)
+class BehindHold:
+    """A drive signal of which x(t) - slope w(t) is held from row to row.
+
+    Attributes:
+        by: its channel.
+        slope: -k_e/R, in the unit of the channel per rad/s.
+        late: when in its row a value was sampled: 0 at its time, 1 at that of the next row.
+        levels: the number of the level without a jump of each row (n,).
+    """
+
+    by: str
+    slope: float
+    late: float
+    levels: Integers
+
+    def read(
+        self, how: Callable[[Table, Mapping[str, str]], Table], table: Table, kinds: Mapping[str, str]
+    ) -> Table:
+        """The table as `at_times` or `refined` reads it, with this signal as it is between the jumps."""
+        x = table.channels[self.by] - self.slope * _speeds(table, self.levels, self.late)
+        held = dataclasses.replace(table, channels={**table.channels, self.by: x})
+        out = how(held, {**kinds, self.by: "held"})
+        x = out.channels[self.by] + self.slope * _speeds(out, stretches(out.channels["time"], out.run))
+        return dataclasses.replace(out, channels={**out.channels, self.by: x})
+
+
+def behind_hold(table: Table, by: str, *, of_voltage: bool) -> BehindHold | None:
+    """How a drive signal whose jumps are proved falls with the speed between them; None if it does not.
+
+    Args:
+        table: with the angle unwrapped on the motor side.
+        by: the channel.
+        of_voltage: whether a voltage is logged, and held: the circuit also shows when in its row the signal
+            was sampled. Else it was at the time of its row, and its steps without a jump show the slope.
+    """
+    x, segment = table.channels[by], stretches(table.channels["time"], table.run)
+    same = np.diff(segment) == 0
+    held = table.channels["voltage"] if of_voltage else x - _usual_slope(x, _speeds(table, segment), same)
+    sizes = np.abs(np.diff(held))
+    jumps = ~same | (sizes > limits.JUMP * np.median(sizes[same]))
+    levels = np.cumsum(np.r_[False, jumps])
+    w = _speeds(table, levels)
+    rows = np.flatnonzero(~jumps[1:-1] & ~jumps[:-2] & ~jumps[2:]) + 1
+    if len(rows) < limits.LEAST_WINDOWS:
+        return None
+    faster = w[rows + 1] - w[rows]
+    if not of_voltage:
+        change = x[rows + 1] - x[rows]
+        slope = float(change @ faster / (faster @ faster))
+        falls = slope < 0.0 and np.std(change - slope * faster) < limits.FALLS * np.std(change)
+        return BehindHold(by, slope, 0.0, levels) if falls else None
+    # u = R i + k_e (w + more dw), dw the change over the row, and w by the last guess of late, which more
+    # makes better. Noise of one row's angle is in w and dw, that of the voltage in u: voltage and current of
+    # the rows beside it, the instruments, have neither.
+    one, late = np.ones(len(rows)), 0.5
+    beside = [signal[rows + k] for signal in (held, x) for k in (-1, 1)]
+    basis = np.linalg.qr(np.column_stack([one, x[rows], *beside]))[0]
+    for _ in range(limits.GUESSES):
+        design = np.column_stack([x[rows], _speeds(table, levels, late)[rows], faster, one])
+        projected = basis @ (basis.T @ design)
+        r, k_e, more, _ = c = np.linalg.lstsq(projected, held[rows], rcond=None)[0]
+        left = float(np.var(held[rows] - design @ c))
+        explained = 1.0 - left / max(float(np.var(held[rows])), 1e-300)
+        if r <= 0.0 or k_e <= 0.0 or explained < limits.CIRCUIT_EXPLAINED:
+            return None
+        late = min(max(late + float(more / k_e), 0.0), 1.0)
+    # At the start, the middle or the end of its row; the middle is that of a hold of the current itself.
+    error = math.sqrt(left * float(np.linalg.pinv(projected.T @ projected)[2, 2])) / float(k_e)
+    late = round(2.0 * late) / 2.0
+    unknown = late == 0.5 or error > limits.SAMPLED_WHEN
+    return None if unknown else BehindHold(by, float(-k_e / r), late, levels)
+
+
+def _usual_slope(x: Array, w: Array, same: Mask) -> Array:
+    """What the speed w (n,) makes of a signal (n,), by the median of its slopes: most rows have no jump."""
+    change, faster = np.diff(x)[same], np.diff(w)[same]
+    ratio = change / np.where(faster == 0.0, np.inf, faster)
+    order = np.argsort(ratio)
+    weights = np.cumsum(np.abs(faster[order]))
+    return ratio[order[np.searchsorted(weights, weights[-1] / 2.0)]] * w
+
+
+def _speeds(table: Table, levels: Integers, late: float = 0.0) -> Array:
+    """Speed of the motor [rad/s] (n,), so many parts of a row after each time.
+
+    By splines through the angle of each level (n,) and the row after it: at a jump the acceleration is new.
+    """
+    t, theta = table.channels["time"], table.channels["theta_m"]
+    segment = stretches(t, table.run)
+    w = np.zeros_like(t)
+    for rows in rows_of_each(levels):
+        more = rows[-1] + 1
+        through = [*rows, more] if more < len(t) and segment[more] == segment[rows[-1]] else rows
+        if len(through) > 2:
+            spline = make_interp_spline(t[through], theta[through], k=min(5, (len(through) - 1) // 2 * 2 - 1))
+            w[rows] = spline.derivative()(t[rows] + late * np.diff(t[rows], append=t[through[-1]]))
+    return w

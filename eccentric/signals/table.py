@@ -16,10 +16,12 @@ from eccentric.logs import Log, LogSource, falls, log_stems, read_log
 from eccentric.rigs import Rig
 from eccentric.signals import limits
 from eccentric.signals.clock import (
+    DROPPED,
     TURN,
     ClockOfLog,
     Finding,
     Stale,
+    astray,
     clock_of,
     even_turns,
     frozen_tails,
@@ -290,25 +292,25 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
                 log.path, problem=f"{what}; at most {100 * limits.MOST_REJECTED:.0f} % may be missing"
             )
         severity = "warning" if rejected > limits.MUCH_LOST * log.rows else "note"
-        findings.append(
-            Finding("missing", worst, f"{log.path}: {what}: such rows are dropped", rejected, severity)
-        )
+        findings.append(Finding("missing", worst, f"{log.path}: {what}{DROPPED}", rejected, severity))
     again = found.repeated(kept, labels)
     if np.any(again):
         count, first = int(np.count_nonzero(again)), log.place(int(np.flatnonzero(again)[0]))
         repeat = f"{count} of {log.rows} rows {'repeats' if count == 1 else 'repeat'} the one before"
-        text = f"{log.path}: {repeat} (first: {first}): such rows are dropped"
+        text = f"{log.path}: {repeat} (first: {first}){DROPPED}"
         findings.append(Finding("repeated", "time", text, count, "note"))
         kept &= ~again
     clock = clock_of(log, labels, values["time"], kept)
     measured = [x for c, x in values.items() if c != "time" and not c.startswith(CONTROLLER)]
-    stopped = stale = Stale(np.zeros(log.rows, bool), ())
+    stopped = stale = wild = Stale(np.zeros(log.rows, bool), ())
     if not rig.log.events:  # a count of turns repeats by nature
         stopped = frozen_tails(log, labels, measured, clock.kept)
         stale = polled(log, labels, measured, clock.kept & ~stopped.rows)
+        motion = [x for c, x in values.items() if c.startswith(("theta", "omega"))]
+        wild = astray(log, labels, motion, clock.kept & ~stopped.rows & ~stale.rows)
     values = {**values, "time": clock.t}
-    kept = clock.kept & ~stopped.rows & ~stale.rows
-    findings += [*clock.findings, *stopped.findings, *stale.findings]
+    kept = clock.kept & ~stopped.rows & ~stale.rows & ~wild.rows
+    findings += [*clock.findings, *stopped.findings, *stale.findings, *wild.findings]
     # Where every row is kept, a slice avoids the copy that a mask makes.
     own = slice(None) if np.all(kept) else kept
     run, run_names = _runs(log, labels, list(place), clock, kept)

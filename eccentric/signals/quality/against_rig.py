@@ -77,7 +77,8 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
     unit = "" if rig.case == "C1" else _angle_unit(means, logged)
     if unit:
         channel, name = logged.motion
-        text = f"the {rig.axis.term(drive)} follows gravity if the {name} {unit}: correct the rig's [columns]"
+        term = rig.axis.term(drive)
+        text = f"the {term} follows gravity if the {name} {unit}: correct the rig's [columns] or mu"
         yield Finding("wrong_unit", channel, text, means.rows, "warning")
         return
     ratios = [*electrical(means, rig)]

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 TURN = 2.0 * math.pi
 
 
+_LEVEL = " (is the plane of motion horizontal, case C1?)"
+
+
 @dataclass(frozen=True)
 class Logged:
     """What a cause depends on: the drive's signal, mu if known, whether an angle is logged, the axis.
@@ -215,7 +218,7 @@ def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[
         causes |= {mu**2: "the rig's J_m is at the link", 1.0 / mu**2: "the rig's J_l is at the motor"}
     level = ratio.name == "M g L" and ratio.high < limits.LEVEL_PLANE
     if level and ratio.low <= 0.0:
-        return " (is the plane of motion horizontal, case C1?)", None
+        return _LEVEL, None
     for factor in (1e3, 1e-3):
         # A mass in grams, an inertia in kg mm^2: nobody logs in kiloamperes.
         if ratio.name in ("J", "M g L") and factor < 1.0:
@@ -237,7 +240,7 @@ def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[
         gear = Cause("contradiction", "mu", f"or is mu {mu / ratio.value:.3g}", {"M g L": 1.0 / ratio.value})
         return ("", None) if _refuted(gear.ratios, every, gear.ratios) else (f" ({gear.text}?)", gear)
     if level:
-        return " (is the plane of motion horizontal, case C1?)", None
+        return _LEVEL, None
     # Gravity is the larger part of a torque; an inertia off by the same factor may not show.
     scaled = {"J": ratio.value}
     either = ratio.name == "M g L" and drive == "current" and not _refuted(scaled, every, scaled)
