@@ -54,7 +54,7 @@ from eccentric.model.functions import (
 from eccentric.model.load import in_general_letters, load_model, model_names, with_values
 from eccentric.model.model import Change, Extension, Model, extended, spoken
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
-from eccentric.model.outputs import drive_interface, interface_of, normal_force
+from eccentric.model.outputs import drive_interface, interface_of, normal_force, structure_of
 from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.rest import law_at_rest, levels, moving
@@ -93,6 +93,6 @@ __all__ = [
     "drive_interface", "drives", "extended", "fingerprint", "friction_units", "function_of", "identity_of",
     "in_general_letters", "interface_of", "law_at_rest", "letters_of", "levels", "load_model", "meaning",
     "missing", "model_names", "moving", "needed", "normal_force", "printed", "quantity", "recursion",
-    "regressor", "spoken", "spoken_quantity", "spoken_symbol", "steps", "symbols", "unlike", "vocabulary",
-    "with_bodies", "with_letters", "with_numbers", "with_values",
+    "regressor", "spoken", "spoken_quantity", "spoken_symbol", "steps", "structure_of", "symbols", "unlike",
+    "vocabulary", "with_bodies", "with_letters", "with_numbers", "with_values",
 ]  # fmt: skip

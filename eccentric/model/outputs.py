@@ -44,7 +44,8 @@ def interface_of(model: Model) -> Interface:
     Raises:
         InputError: the model lacks something that they require.
     """
-    key = (id(model),) if model.declares is not None else _structure(model)
+    parts, *rest = structure_of(model)
+    key = (*map(id, parts), *rest)
     kept = _interfaces.get(key)
     if kept is None:
         kept = model, drive_interface(model) if model.declares is None else model.declares(model)
@@ -54,12 +55,15 @@ def interface_of(model: Model) -> Interface:
     return kept[1]
 
 
-def _structure(model: Model) -> tuple[object, ...]:
-    """All that `drive_interface` takes from a model; `replace` keeps the parts that it does not change."""
+def structure_of(model: Model) -> tuple[tuple[object, ...], ...]:
+    """All that the outputs of a model follow from: of one drive, not its name, its title and its values."""
+    if model.declares is not None:
+        return ((model,),)
+    # `replace` keeps the parts that it does not change.
     parts = model.inputs, model.definitions, model.balances, model.equations, model.states, model.extensions
     known = model.back_emf_in_friction, model.current_known, model.voltage_known, model.torque_unit
     parameters = ((q.symbol, q.name, q.unit, q.default is None) for q in model.parameters)
-    return (*map(id, (*parts, model.axis)), *known, *parameters)
+    return (*parts, model.axis), known, tuple(parameters)
 
 
 # Friction in one direction: its limit at standstill, and its polynomial in the velocity.
