@@ -15,6 +15,7 @@ import sympy as sp
 from eccentric.core import InputError
 from eccentric.model import vocabulary as v
 from eccentric.model.balance import KINDS
+from eccentric.model.functions import cached
 from eccentric.model.model import Model
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, needed
 from eccentric.model.quantity import Definition, symbols
@@ -44,11 +45,14 @@ def interface_of(model: Model) -> Interface:
     Raises:
         InputError: the model lacks something that they require.
     """
-    parts, *rest = structure_of(model)
+    structure = parts, *rest = structure_of(model)
     key = (*map(id, parts), *rest)
     kept = _interfaces.get(key)
     if kept is None:
-        kept = model, drive_interface(model) if model.declares is None else model.declares(model)
+        if model.declares is None:
+            kept = model, cached("interface", structure, lambda: drive_interface(model))
+        else:
+            kept = model, model.declares(model)
         if len(_interfaces) >= _KEPT:
             _interfaces.pop(next(iter(_interfaces)), None)
         _interfaces[key] = kept
@@ -235,9 +239,7 @@ def drive_interface(model: Model) -> Interface:
         own = (replace(a, value=a.value.xreplace(scaled)) for a in before)
         found = tuple((label, value.xreplace(scaled)) for label, value in results)
         expressions = Expressions(found, (*definitions, *own), by, (v.omega_m.symbol,))
-        return Output(
-            axis.named(name), axis.unit(unit), axis.text(meaning), inputs, lambda: expressions, **more
-        )
+        return Output(axis.named(name), axis.unit(unit), axis.text(meaning), inputs, expressions, **more)
 
     def one(value: sp.Expr) -> tuple[tuple[str, sp.Expr]]:
         return (("", value),)
