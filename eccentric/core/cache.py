@@ -143,8 +143,8 @@ class Derived:
             return
         with suppress(InputError, OSError, RuntimeError):
             stored = self._read()
-            if sum(map(len, stored.values())) > _MOST_BYTES:  # expressions belong to single logs
-                stored = {key: x for key, x in stored.items() if not key.startswith("expression")}
+            if sum(map(len, stored.values())) > _MOST_BYTES:  # all else belongs to single logs
+                stored = {key: x for key, x in stored.items() if key.startswith(("model ", "template "))}
             write_cached(self._file, marshal.dumps(stored | self._new))
             others = (path for path in cache_folder().glob("*.derived") if path.name != self._file)
             for path in sorted(others, key=lambda path: path.stat().st_mtime)[:-2]:

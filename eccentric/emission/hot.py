@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import inspect
-import json
 import math
 import sys
-import zlib
 from collections.abc import Mapping
 from functools import cache
 from itertools import count
@@ -15,9 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.core import derived
 from eccentric.emission.render import render_code
-from eccentric.model import AxisKind, Model, Quantity, fingerprint, spoken_quantity
+from eccentric.model import AxisKind, Model, Quantity, cached, spoken_quantity
 
 # Execute an emitted NumPy module from memory, with its runtime beside it.
 
@@ -72,27 +69,13 @@ def load_module(model: Model) -> ModuleType:
         InputError: the model cannot be emitted.
     """
     if id(model) not in _by_model:
-        module = executed(_files(model), model.name)
+        files = cached("module", model, lambda: render_code(model, "numpy"))
+        module = executed(files, model.name)
         if len(_by_model) >= _KEPT:
             _, oldest = _by_model.pop(next(iter(_by_model)))
             del sys.modules[oldest.__name__]
         _by_model[id(model)] = (model, module)
     return _by_model[id(model)][1]
-
-
-def _files(model: Model) -> dict[str, str]:
-    """The files of the module; those of a model without effects are in the user's cache."""
-    try:
-        key = "" if model.extensions else f"module {fingerprint(model)}"
-    except TypeError:  # it has what only its author's script can say
-        key = ""
-    if not key:  # an extended model has values of one log
-        return render_code(model, "numpy")
-    if (kept := derived.get(key)) is not None:
-        return json.loads(zlib.decompress(kept))
-    files = render_code(model, "numpy")
-    derived.put(key, zlib.compress(json.dumps(files).encode()))
-    return files
 
 
 # Call the functions of an emitted module at states of the motion.

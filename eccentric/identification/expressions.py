@@ -25,6 +25,7 @@ from eccentric.model import (
     Model,
     PartValues,
     State,
+    cached,
     fingerprint,
     function_of,
     meaning,
@@ -186,9 +187,8 @@ def lambdified(
     model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...]
 ) -> Callable[[Mapping[str, Any]], Any]:
     """An expression as a function of what `Signals.given` gives; `names` are those of shapes."""
-    definitions = [(definition.symbol, definition.value) for definition in model.definitions]
     try:
-        key = f"expression {fingerprint((expression, definitions, sorted(names)))} {signals.key}"
+        key = f"expression {fingerprint((expression, _formulas(model), sorted(names)))} {signals.key}"
     except TypeError:  # it has a class of a person's own
         key = ""
     function = printed(
@@ -204,6 +204,10 @@ def lambdified(
         return function.call(*values)
 
     return evaluate
+
+
+def _formulas(model: Model) -> list[tuple[sp.Symbol, sp.Expr]]:
+    return [(definition.symbol, definition.value) for definition in model.definitions]
 
 
 def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:
@@ -269,7 +273,7 @@ class States:
                 raise ValueError(f"states of {model.name} depend on each other in a circle")
             waiting.remove(state)
             done.add(state.symbol)
-            step, parts = _step_of(signals.expanded(model, state.update, names), state.symbol)
+            step, parts = _step_of(model, state, signals, names)
             functions = [lambdified(model, part, signals, names) for part in parts]
             self._steps.append((state, step, functions))
         self._kept: dict[tuple[Any, ...], dict[str, Array]] = {}
@@ -353,20 +357,38 @@ def _until(
             yield now
 
 
-@lru_cache(maxsize=KEPT_STEPS)
 def _step_of(
-    update: sp.Expr, state: sp.Symbol
+    model: Model, state: State, signals: Signals, names: tuple[str, ...]
 ) -> tuple[tuple[Callable[..., float], Callable[..., Array]] | None, tuple[sp.Expr, ...]]:
     """Gain and push of an affine update; else its step, for one sample and for arrays, and what it takes."""
+    record = state.update, state.symbol, _formulas(model), sorted(names), signals.key
+    rest, letters, parts = cached(
+        "step", record, lambda: _separated(signals.expanded(model, state.update, names), state.symbol)
+    )
+    return None if rest is None else _functions_of(rest, state.symbol, letters), parts
+
+
+@lru_cache(maxsize=KEPT_STEPS)
+def _separated(
+    update: sp.Expr, state: sp.Symbol
+) -> tuple[sp.Expr | None, tuple[sp.Symbol, ...], tuple[sp.Expr, ...]]:
+    """The step of an update, in the state and symbols of its parts, and these; None if it is affine."""
     gain = sp.diff(update, state)
     if state not in gain.free_symbols:
-        return None, (gain, sp.expand(update).subs(state, 0))
+        return None, (), (gain, sp.expand(update).subs(state, 0))
     rest, parts = _apart(update, state)
+    return rest, tuple(parts), tuple(parts.values())
+
+
+@lru_cache(maxsize=KEPT_STEPS)
+def _functions_of(
+    rest: sp.Expr, state: sp.Symbol, parts: tuple[sp.Symbol, ...]
+) -> tuple[Callable[..., float], Callable[..., Array]]:
     # Python's own numbers are several times faster than NumPy's for one sample at a time.
     one, all_at_once = (
-        sp.lambdify([state, tuple(parts)], rest, modules=modules, cse=True) for modules in ("math", "numpy")
+        sp.lambdify([state, parts], rest, modules=modules, cse=True) for modules in ("math", "numpy")
     )
-    return (one, all_at_once), tuple(parts.values())
+    return one, all_at_once
 
 
 def _next(moving: list[int], k: int) -> int:

@@ -46,6 +46,7 @@ from eccentric.model.functions import (
     NumericFunction,
     Parts,
     PartValues,
+    cached,
     fingerprint,
     function_of,
     missing,
@@ -54,7 +55,7 @@ from eccentric.model.functions import (
 from eccentric.model.load import in_general_letters, load_model, model_names, with_values
 from eccentric.model.model import Change, Extension, Model, extended, spoken
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, differentiate, needed
-from eccentric.model.outputs import drive_interface, interface_of, normal_force
+from eccentric.model.outputs import drive_interface, interface_of, normal_force, structure_of
 from eccentric.model.quantity import C_KEYWORDS, Definition, Quantity, State, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.rest import law_at_rest, levels, moving
@@ -89,10 +90,10 @@ __all__ = [
     "Extension", "Forward", "FromTop", "Gated", "HalfCosine", "HalfSine", "Identity", "Input", "Interface",
     "Joint", "JointDrive", "Leading", "Load", "Magnitude", "Model", "Moments", "NumericFunction",
     "OpaqueStep", "Output", "PartValues", "Parts", "Placement", "Quantity", "Recursion", "Role", "Sgn",
-    "SquareDifference", "State", "Term", "arm", "at_rest", "differentiate", "drive_balances",
+    "SquareDifference", "State", "Term", "arm", "at_rest", "cached", "differentiate", "drive_balances",
     "drive_interface", "drives", "extended", "fingerprint", "friction_units", "function_of", "identity_of",
     "in_general_letters", "interface_of", "law_at_rest", "letters_of", "levels", "load_model", "meaning",
     "missing", "model_names", "moving", "needed", "normal_force", "printed", "quantity", "recursion",
-    "regressor", "spoken", "spoken_quantity", "spoken_symbol", "steps", "symbols", "unlike", "vocabulary",
-    "with_bodies", "with_letters", "with_numbers", "with_values",
+    "regressor", "spoken", "spoken_quantity", "spoken_symbol", "steps", "structure_of", "symbols", "unlike",
+    "vocabulary", "with_bodies", "with_letters", "with_numbers", "with_values",
 ]  # fmt: skip

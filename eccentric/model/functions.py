@@ -10,12 +10,13 @@ import hashlib
 import io
 import marshal
 import pickle
+import zlib
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
 from functools import lru_cache
 from types import CodeType, MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import sympy as sp
@@ -117,6 +118,22 @@ def _digest(*parts: bytes) -> bytes:
     return hashlib.blake2b(
         b"".join(len(part).to_bytes(4, "big") + part for part in parts), digest_size=16
     ).digest()
+
+
+T = TypeVar("T")
+
+
+def cached(kind: str, record: Any, make: Callable[[], T]) -> T:
+    """What `make` makes of a record of expressions; the cache keeps it, under a word for its kind."""
+    try:
+        key = f"{kind} {fingerprint(record)}"
+    except TypeError:  # it has what only its author's script can say
+        return make()
+    if (kept := derived.get(key)) is not None:
+        return from_bytes(zlib.decompress(kept))
+    made = make()
+    derived.put(key, zlib.compress(to_bytes(made)))
+    return made
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ import sympy as sp
 from eccentric.core import InputError
 from eccentric.model import vocabulary as v
 from eccentric.model.balance import KINDS
+from eccentric.model.functions import cached
 from eccentric.model.model import Model
 from eccentric.model.output import Assignment, Expressions, Input, Interface, Output, needed
 from eccentric.model.quantity import Definition, symbols
@@ -44,22 +45,29 @@ def interface_of(model: Model) -> Interface:
     Raises:
         InputError: the model lacks something that they require.
     """
-    key = (id(model),) if model.declares is not None else _structure(model)
+    structure = parts, *rest = structure_of(model)
+    key = (*map(id, parts), *rest)
     kept = _interfaces.get(key)
     if kept is None:
-        kept = model, drive_interface(model) if model.declares is None else model.declares(model)
+        if model.declares is None:
+            kept = model, cached("interface", structure, lambda: drive_interface(model))
+        else:
+            kept = model, model.declares(model)
         if len(_interfaces) >= _KEPT:
             _interfaces.pop(next(iter(_interfaces)), None)
         _interfaces[key] = kept
     return kept[1]
 
 
-def _structure(model: Model) -> tuple[object, ...]:
-    """All that `drive_interface` takes from a model; `replace` keeps the parts that it does not change."""
+def structure_of(model: Model) -> tuple[tuple[object, ...], ...]:
+    """All that the outputs of a model follow from: of one drive, not its name, its title and its values."""
+    if model.declares is not None:
+        return ((model,),)
+    # `replace` keeps the parts that it does not change.
     parts = model.inputs, model.definitions, model.balances, model.equations, model.states, model.extensions
     known = model.back_emf_in_friction, model.current_known, model.voltage_known, model.torque_unit
     parameters = ((q.symbol, q.name, q.unit, q.default is None) for q in model.parameters)
-    return (*map(id, (*parts, model.axis)), *known, *parameters)
+    return (*parts, model.axis), known, tuple(parameters)
 
 
 # Friction in one direction: its limit at standstill, and its polynomial in the velocity.
@@ -231,9 +239,7 @@ def drive_interface(model: Model) -> Interface:
         own = (replace(a, value=a.value.xreplace(scaled)) for a in before)
         found = tuple((label, value.xreplace(scaled)) for label, value in results)
         expressions = Expressions(found, (*definitions, *own), by, (v.omega_m.symbol,))
-        return Output(
-            axis.named(name), axis.unit(unit), axis.text(meaning), inputs, lambda: expressions, **more
-        )
+        return Output(axis.named(name), axis.unit(unit), axis.text(meaning), inputs, expressions, **more)
 
     def one(value: sp.Expr) -> tuple[tuple[str, sp.Expr]]:
         return (("", value),)

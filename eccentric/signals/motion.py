@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
 from eccentric.core import InputError
 from eccentric.model import TURNING, AxisKind
@@ -126,7 +125,9 @@ def standing_lines(
     bins = np.bincount((theta / TURN % 1.0 * count).astype(int) % count, rest, count)
     # Of white noise, the power has the mean 1.
     power = np.abs(np.fft.rfft(bins)[: highest + 1]) ** 2 / max(float(rest @ rest), 1e-300)
-    floor = np.maximum(median_filter(power, limits.AROUND_A_LINE, mode="nearest") / np.log(2.0), 1.0)
+    padded = np.pad(power, limits.AROUND_A_LINE // 2, mode="edge")  # SciPy's filter is slow to import
+    around = np.median(np.lib.stride_tricks.sliding_window_view(padded, limits.AROUND_A_LINE), axis=1)
+    floor = np.maximum(around / np.log(2.0), 1.0)
     share = 2.0 * power / len(rest)
     found = np.flatnonzero((power > limits.STANDS_OUT * floor) & (share > limits.LEAST_LINE_SHARE))
     found = found[found > limits.LOW_ORDERS]

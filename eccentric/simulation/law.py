@@ -17,7 +17,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.model import KINDS, Model, function_of, levels, meaning
+from eccentric.model import KINDS, Model, cached, function_of, levels, meaning
 from eccentric.model import vocabulary as v
 from eccentric.simulation.limits import LEAST_DECAY
 
@@ -180,17 +180,23 @@ class Law:
     def __init__(self, model: Model, armature: bool = False) -> None:
         self.model, self.armature = model, armature
         self._fixed: dict[sp.Expr, sp.Symbol] = {}
-        terms = model.balance("mechanical").terms
+        found = cached("law", (model, armature), self._expressions)
+        self._torques, self._advances, self._fixed = found
+
+    def _expressions(self) -> tuple[sp.Tuple, dict[str, sp.Expr], dict[sp.Expr, sp.Symbol]]:
+        """The torques, the hidden states one step later, and the symbols of what is fixed in them."""
+        model, terms = self.model, self.model.balance("mechanical").terms
         outside = sp.Add(*(KINDS[t.kind] * t.value for t in terms if t.kind not in _OUTSIDE))
-        change = model.torque_per_volt * model.balance("electrical").residual() if armature else sp.S.Zero
+        change = (
+            model.torque_per_volt * model.balance("electrical").residual() if self.armature else sp.S.Zero
+        )
         found = levels(model, v.omega_m.symbol, tuple(t for t in terms if t.kind == "friction"))
-        self._presliding = found.presliding
         names = ("dry", "viscous", *(("held", "damping", "stiffness") if found.presliding else ()))
         sides = [getattr(side, name) for side in (found.backward, found.forward) for name in names]
         for a in reversed(found.definitions):
             sides = [side.xreplace({a.target: a.value}) for side in sides]
-        self._torques = sp.Tuple(*map(self._plain, (outside, change, *sides)))
-        self._advances = {s.quantity.name: self._plain(s.update) for s in model.states}
+        torques = sp.Tuple(*map(self._plain, (outside, change, *sides)))
+        return torques, {s.quantity.name: self._plain(s.update) for s in model.states}, self._fixed
 
     @property
     def initial(self) -> dict[str, float]:

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import sympy as sp
 
@@ -35,17 +35,18 @@ from eccentric.model import (
     Forward,
     Gated,
     Input,
-    Interface,
     Model,
     Output,
     Quantity,
     Sgn,
+    cached,
     differentiate,
     interface_of,
     levels,
     needed,
     spoken_quantity,
     spoken_symbol,
+    structure_of,
 )
 from eccentric.model import vocabulary as v
 
@@ -351,7 +352,13 @@ def _for_any_step(output: Output) -> tuple[Output, Expressions]:
     return kept, replace(given, results=results, definitions=(_ELAPSED, *definitions))
 
 
-_Lowered = tuple[Prepare, tuple[Helper, ...], list[Expressions], tuple[Routine, ...]]
+class _Lowered(NamedTuple):
+    """What `prepare` computes, the helpers, the routines and the constants of the outputs."""
+
+    prepare: list[Assignment]
+    helpers: tuple[Helper, ...]
+    routines: tuple[Routine, ...]
+    constants: tuple[tuple[str, tuple[str, ...]], ...]
 
 
 def build_program(model: Model, choice: Choice = WHOLE) -> Program:
@@ -362,19 +369,23 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
             chosen name, or none that depends on a parameter; or fixed ones that they need are not given.
     """
     interface = interface_of(model)
-    shared, helpers, outputs, routines = _routines(model, interface, choice)
+    # Models that differ in their values alone have the same routines.
+    record = structure_of(model), choice.functions
+    prepare, helpers, routines, constants = cached(
+        "routines", record, lambda: _lowered(model, choice.of(interface.outputs))
+    )
     names, labels = [r.name for r in routines], {r.name: r.labels for r in routines}
     listed = [(name, labels[of]) for name, of in interface.constants.items() if of in labels]
-    coefficients = _used((*helpers, *routines), shared)
+    coefficients = _used((*helpers, *routines), model, prepare)
     program = Program(
         name=model.name,
         title=model.title,
         parameters=model.parameters,
-        prepare=shortened(needed(shared.assignments, coefficients)),
+        prepare=shortened(needed(prepare, coefficients)),
         coefficients=coefficients,
         routines=routines,
-        constants=(*listed, *(constant for one in outputs for constant in one.constants)),
-        notes=notes(model, shared),
+        constants=(*listed, *constants),
+        notes=notes(model, prepare),
         states=tuple((state.quantity, state.initial) for state in model.states),
         defaults=model.defaults or _origin_of_defaults(model),
         cautions=model.cautions,
@@ -408,25 +419,15 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
     return program
 
 
-# By identity, as the interface: models that differ in their values alone have the same routines.
-_KEPT = 8
-_lowered: dict[tuple[int, Choice], tuple[Interface, _Lowered]] = {}
-
-
-def _routines(model: Model, interface: Interface, choice: Choice) -> _Lowered:
-    """What `prepare` computes, the helpers, and the outputs with their routines; the last 8 are cached."""
-    key = id(interface), choice
-    if key not in _lowered:
-        shared = Prepare(model)
-        half_turns = HalfTurns(shared)
-        given = [_for_any_step(output) for output in choice.of(interface.outputs)]
-        routines = tuple(_routine(model, *one, shared, half_turns) for one in given)
-        called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
-        helpers = tuple(h for h in half_turns.helpers if sp.Symbol(h.name) in called)
-        if len(_lowered) >= _KEPT:
-            _lowered.pop(next(iter(_lowered)), None)
-        _lowered[key] = interface, (shared, helpers, [one for _, one in given], routines)
-    return _lowered[key][1]
+def _lowered(model: Model, outputs: Sequence[Output]) -> _Lowered:
+    shared = Prepare(model)
+    half_turns = HalfTurns(shared)
+    given = [_for_any_step(output) for output in outputs]
+    routines = tuple(_routine(model, *one, shared, half_turns) for one in given)
+    called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
+    helpers = tuple(h for h in half_turns.helpers if sp.Symbol(h.name) in called)
+    constants = tuple(constant for _, one in given for constant in one.constants)
+    return _Lowered(shared.assignments, helpers, routines, constants)
 
 
 def _origin_of_defaults(model: Model) -> str:
@@ -488,8 +489,11 @@ def _routine(
     )
 
 
-def _used(parts: tuple[Helper | Routine, ...], shared: Prepare) -> tuple[sp.Symbol, ...]:
+def _used(
+    parts: tuple[Helper | Routine, ...], model: Model, prepare: Sequence[Assignment]
+) -> tuple[sp.Symbol, ...]:
     used = set().union(*(a.value.free_symbols for part in parts for a in part.assignments))
-    order = [a.target for a in shared.assignments]
-    plain = sorted((s for s in used & shared.symbols if s not in order), key=str)
+    order = [a.target for a in prepare]
+    given = {q.symbol for q in model.parameters}
+    plain = sorted((s for s in used & given if s not in order), key=str)
     return (*plain, *(symbol for symbol in order if symbol in used))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 import sympy as sp
 
@@ -125,11 +126,11 @@ class Prepare:
         return value
 
 
-def notes(model: Model, shared: Prepare) -> tuple[tuple[str, str], ...]:
+def notes(model: Model, prepare: Sequence[Assignment]) -> tuple[tuple[str, str], ...]:
     """The description of each coefficient: its meaning and unit, or its formula."""
     known = {q.symbol.name: f"{q.meaning} [{q.unit}]" for q in model.parameters}
     known |= {d.quantity.name: f"{d.quantity.meaning} [{d.quantity.unit}]" for d in model.definitions}
-    values = {a.target: a.value for a in shared.assignments}
+    values = {a.target: a.value for a in prepare}
     formulas = {symbol.name: _formula(value, values) for symbol, value in values.items()}
     return tuple((formulas | known).items())
 

@@ -37,17 +37,6 @@ cosine, sine, rate_l, acceleration_l = sp.symbols("cosine sine omega_l alpha_l",
 _R = sp.Matrix(3, 3, lambda i, k: sp.Function(f"R_{i}{k}", real=True)(t))
 _r, _w, _s = _of_time("r"), _of_time("w"), _of_time("s")
 _angle = sp.Function("theta_l", real=True)(t)
-_by_letters = [
-    *zip(_s.diff(t, 2), s_ddot, strict=True),
-    *zip(_s.diff(t), s_dot, strict=True),
-    *zip(_s, s, strict=True),
-    *zip(_w.diff(t), alpha, strict=True),
-    *zip(_w, w, strict=True),
-    (_angle.diff(t, 2), acceleration_l),
-    (_angle.diff(t), rate_l),
-    (sp.cos(_angle), cosine),
-    (sp.sin(_angle), sine),
-]
 
 
 def _rate(matrix: sp.Matrix) -> sp.Matrix:
@@ -64,9 +53,25 @@ def _seen(matrix: sp.Matrix) -> sp.Matrix:
     return sp.Matrix(3, matrix.cols, lambda i, k: columns[k].coeff(_R[0, i]))
 
 
+@cache
+def _by_letters() -> list[tuple[sp.Expr, sp.Expr]]:
+    """Each function of time and its symbol, derivatives first."""
+    return [
+        *zip(_s.diff(t, 2), s_ddot, strict=True),
+        *zip(_s.diff(t), s_dot, strict=True),
+        *zip(_s, s, strict=True),
+        *zip(_w.diff(t), alpha, strict=True),
+        *zip(_w, w, strict=True),
+        (_angle.diff(t, 2), acceleration_l),
+        (_angle.diff(t), rate_l),
+        (sp.cos(_angle), cosine),
+        (sp.sin(_angle), sine),
+    ]
+
+
 def _written(matrix: sp.Matrix) -> sp.ImmutableMatrix:
-    """The functions of time replaced by symbols, derivatives first."""
-    for function, letter in _by_letters:
+    """The functions of time replaced by symbols."""
+    for function, letter in _by_letters():
         matrix = matrix.subs(function, letter)
     return sp.ImmutableMatrix(matrix)
 
