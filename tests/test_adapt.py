@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from eccentric.emission.adapt.prior import extreme, joint_deviations
 from tests.adapted import Estimator, columns, current, emitted, module, motion
+from tests.hosts import need
 
 TRUE = np.array([0.004, 0.08, 0.0004, 0.008]) * [1.2, 0.8, 1.3, 0.9]
 NOISE = 0.007  # N m, as the prior assumes: 5 % of the mean friction
@@ -183,3 +185,76 @@ def test_plain_least_squares_winds_up(python: ModuleType, in_turns: Any) -> None
     assert 2 * HALF < negative < 2 * HALF + 100
     wandered = np.max(np.abs(course[HALF : 2 * HALF + 500] - TRUE), axis=0)
     assert np.all(wandered / TRUE > 3)
+
+
+# The gain for a compensation: how much of the learned friction is there for sure.
+
+
+def states(python: ModuleType, angles: int, speeds: int) -> np.ndarray:
+    """The regressor (m, 4) over a turn and both directions, 1 to 40 rad/s, times the sign of the motion."""
+    turn = np.linspace(0.0, 2.0 * np.pi / python.model.Parameters().mu, angles, endpoint=False)
+    speed = np.geomspace(1.0, 40.0, speeds)
+    theta, omega = (x.ravel() for x in np.meshgrid(turn, np.concatenate((-speed, speed))))
+    return columns(python.model, (theta, omega, 0.0 * omega)) * np.sign(omega)[:, None]
+
+
+def test_the_gain_is_the_bound_at_the_worst_state(python: ModuleType) -> None:
+    """One less so many standard deviations of the friction over it: of P, at the worst of 2,304 states."""
+    moved = motion(4000, 5)
+    state = python.init()
+    python.replay(*moved, driven(python, moved, TRUE), state)
+    deviation = np.array(python._DOUBLE.step)
+    rows = states(python, 48, 24)
+    P = factors(state) * np.outer(deviation, deviation) * state.square * (1 + state.rho) / (1 - state.rho)
+    over = np.sqrt(np.einsum("ki,ij,kj->k", rows, P, rows)) / (rows @ state.coefficient)
+    expected = 1.0 - python._DOUBLE.DEVIATIONS * over.max()
+
+    assert 0.7 < expected < 0.95
+    assert python.gain(state) == pytest.approx(expected, abs=5e-3)
+
+
+def test_so_much_friction_is_there(folder: Path, python: ModuleType) -> None:
+    """Of 200 drives drawn from the prior, at three moments, at most 2.5 % have less than it anywhere."""
+    need("gcc")
+    c = Estimator(folder, "c2_parallel", np.float64)
+    k, rows, missed, gains = python._DOUBLE, states(python, 24, 12), 0, []
+    for seed in range(200):
+        random = np.random.default_rng(seed)
+        true = np.clip(random.normal(k.start, k.step), 0.02 * np.array(k.start), k.highest)
+        moved = motion(3000, 1000 + seed)
+        friction, noise = np.abs(columns(python.model, moved) @ true), random.normal(0, NOISE, 3000)
+        i = current(python.model, moved, friction, noise)
+        c["adapt_init"](c.state)
+        for start, end in ((0, 500), (500, 1000), (1000, 3000)):
+            c.learn([x[start:end] for x in (*moved, i)])
+            gains.append(c["adapt_gain"](c.state))
+            learned = rows @ np.array(list(c.state.coefficient))
+            missed += bool(np.any(rows @ true < gains[-1] * learned))
+
+    assert missed <= 0.025 * len(gains)
+    assert np.median(gains[2::3]) > 0.75
+
+
+def test_what_is_not_known_is_not_compensated(python: ModuleType) -> None:
+    """At the prior little is sure; noise beyond it, or innovations that are all alike, leave nothing."""
+    state = python.init()
+    assert 0.0 < python.gain(state) < 0.5
+    state.square = 100.0
+    assert python.gain(state) == 0.0
+    state.square, state.rho = 1.0, 0.96875
+    assert python.gain(state) == 0.0
+
+
+def test_rows_between_others_bound_nothing_more() -> None:
+    """Of rows over their friction those that are sums of others are left out; so are doubles."""
+    values = np.array([1.0, 1.0])
+    rows = np.array([[1.0, 0.0], [0.0, 2.0], [3.0, 3.0], [0.2, 0.1], [2.0, 0.0]])
+
+    assert sorted(map(tuple, extreme(rows, values))) == [(0.0, 1.0), (1.0, 0.0)]
+
+
+def test_all_states_together_take_more_deviations() -> None:
+    """One row has a one-sided quantile; many rows have at most the ellipsoid, by a chi squared."""
+    assert joint_deviations(1, 4) == pytest.approx(1.959964, rel=1e-6)
+    assert joint_deviations(5, 4) == pytest.approx(2.575829, rel=1e-6)  # 0.5 %
+    assert joint_deviations(10**6, 2) == pytest.approx(np.sqrt(-2 * np.log(0.025)), rel=1e-12)

@@ -74,6 +74,7 @@ def test_same_bits(folder_of: Callable[[str], Path], name: str, dtype: Any, comp
             expected = python.replay(*part, state)["flags"].tolist()
             assert expected == c.learn(part)
             assert python_bits(state) == c.bits()
+            assert float(python.gain(state)) == c["adapt_gain"](c.state)
     assert state.calls == 9000
     assert np.all(np.isfinite(python_bits(state)))
 

@@ -597,6 +597,31 @@ def test_proved(tmp_path: Path, name: str, real: str) -> None:
     assert "either code nor specification" not in said
 
 
+def test_it_takes_the_gain_of_an_estimator(tmp_path: Path) -> None:
+    """The C of docs/adapt.md: emitted together, the gain of what was learned is a valid setting."""
+    need("gcc")
+    folder = tmp_path / "out"
+    given = {"J_m": 2e-4, "J_l": 0.04}
+    eccentric.emit("c2_parallel", folder, parameters=given, adapt=True, compensation=True)
+    page = (Path(__file__).resolve().parents[1] / "docs" / "adapt.md").read_text(encoding="utf-8")
+    code = "".join(re.findall(r"^```c\n(.*?)^```$", page, re.DOTALL | re.MULTILINE))
+    code = re.sub(r"^(int|void) (\w+)\((.*?)\) \{", r"\1 \2(\3);\n\1 \2(\3) {", code, flags=re.MULTILINE)
+    called = """int main(void) {
+    set_up();
+    loop = c2_parallel_compensation_default;
+    for (int k = 0; k < 100; ++k) {
+        each_sample(0, 10, 0, (ECCENTRIC_REAL)1.5);
+    }
+    return each_second() + !(loop.gain > 0) + !(loop.gain <= (ECCENTRIC_REAL)0.9);
+}
+"""
+    (tmp_path / "main.c").write_text(code + called)
+    sources = [folder / f"c2_parallel{x}.c" for x in ("", "_adapt", "_compensation")]
+    run("gcc", *FLAGS, f"-I{folder}", "-o", tmp_path / "main", tmp_path / "main.c", *sources, "-lm")
+
+    assert subprocess.run([tmp_path / "main"], check=False).returncode == 0
+
+
 def test_what_cannot_be_emitted_is_refused(tmp_path: Path) -> None:
     """An arm, a choice of functions, and a target without the C say so in one line."""
     with pytest.raises(InputError, match="compensation: expected a model of one joint, got an arm"):

@@ -9,11 +9,12 @@ only read here.
 """
 
 from eccentric.emission.adapt.prior import (
+    CONFIDENCE,
     Adaptation,
     alarm_of,
     covariance_of_fit,
+    identified_states,
     prior_of,
-    regressor_rows,
     run_length,
     threshold_of,
 )

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
-from scipy.special import ndtr
+from scipy.optimize import brentq, nnls
+from scipy.special import chdtri, ndtr, ndtri
 
 from eccentric.core import InputError
 from eccentric.emission.hot import evaluated, load_module, turn_of_link
@@ -38,6 +38,15 @@ _ANGLES = 48
 """States over a turn of the link."""
 _FARTHEST = 20.0
 """A coefficient stays within so many standard deviations of its start."""
+_SPEEDS = 24
+"""Identified speeds of each direction."""
+_RANGE = {TURNING: (1.0, 40.0), LINEAR: (0.005, 0.2)}
+"""Speeds where a fit states none [rad/s, m/s]."""
+_LITTLE = 0.02
+"""A friction below this share of its mean is left out: a ratio of two noughts says nothing."""
+_DIRECTIONS = 200
+_INSIDE = 1e-2
+"""A row this close to a sum of others, relative to the largest of each column, counts as that sum."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +62,7 @@ class Prior:
         noise: standard deviation of the measured friction torque [N m, or N].
         moving: least speed at which a row is used [rad/s, or m/s].
         friction: mean size of the friction at a medium speed [N m, or N].
+        rows: of the regressor over the friction, at the identified states that bound all others (m, n).
         origin: where all this comes from, in words.
     """
 
@@ -65,6 +75,7 @@ class Prior:
     noise: float
     moving: float
     friction: float
+    rows: np.ndarray
     origin: str
 
     def factors(self) -> tuple[np.ndarray, np.ndarray]:
@@ -119,6 +130,7 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
         noise=noise or _NOISE * friction,
         moving=moving,
         friction=friction,
+        rows=extreme(*identified_states(model, fit)),
         origin=(
             f"standard deviations from {from_fit}a {CHANGE:.0%} change of each coefficient; "
             f"noise: {'held-out error of the fit' if noise else f'{_NOISE:.0%} of the mean friction'}"
@@ -183,6 +195,45 @@ def regressor_rows(model: Model, speeds: ArrayLike) -> tuple[np.ndarray, np.ndar
     return evaluated(load_module(model).regressor, model.axis, states), omega_m
 
 
+def identified_states(model: Model, fit: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of the regressor (m, n) with a friction above 0, and the coefficients (n,).
+
+    They are those of both directions, with the sign of the motion, over a turn and the speeds of the fit.
+    None where there is no friction.
+    """
+    axis, ranges = model.axis, fit.get("ranges")
+    given = ranges.get(axis.named("speed_m_rad_s")) if isinstance(ranges, Mapping) else None
+    slowest, fastest = given if isinstance(given, list | tuple) and len(given) == 2 else _RANGE[axis]
+    speed = np.geomspace(max(slowest, 0.01 * fastest), fastest, _SPEEDS)
+    rows, omega_m = regressor_rows(model, np.concatenate((-speed, speed)))
+    rows, values = rows * np.sign(omega_m)[:, None], np.asarray(load_module(model).friction_coefficients())
+    friction = rows @ values
+    return rows[friction > _LITTLE * np.mean(np.abs(friction))], values
+
+
+def extreme(rows: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Rows over their friction, without those that are sums of others with weights of 0 or above."""
+    rows = rows / (rows @ values)[:, None]
+    size = np.abs(rows).max(0)
+    scaled = rows / (size + (size == 0.0))
+
+    def between(k: int, others: list[int]) -> bool:
+        return bool(others) and nnls(scaled[others].T, scaled[k])[1] <= _INSIDE
+
+    # First the farthest in many directions: of the others most are between these.
+    directions = np.random.default_rng(0).standard_normal((rows.shape[1], _DIRECTIONS))
+    farthest = np.argmax(scaled @ directions, axis=0)
+    each = np.unique(np.round(scaled, 9), axis=0, return_index=True)[1]
+    found: list[int] = []
+    for k in dict.fromkeys([*farthest.tolist(), *each.tolist()]):
+        if not between(k, found):
+            found.append(k)
+    for k in list(found):
+        if between(k, others := [x for x in found if x != k]):
+            found = others
+    return rows[found]
+
+
 def covariance_of_fit(columns: tuple[Column, ...], fit: Mapping[str, Any]) -> np.ndarray:
     """The covariance of a fit (n, n), 0 where it has none: for a coefficient at a bound."""
     found = fit.get("coefficients")
@@ -198,6 +249,20 @@ def covariance_of_fit(columns: tuple[Column, ...], fit: Mapping[str, Any]) -> np
                 value = matrix[names.index(one.name)][names.index(other.name)]
                 correlation[row, column] = 0.0 if value is None else value
     return correlation * np.outer(errors, errors)
+
+
+CONFIDENCE = 0.975
+"""How sure a gain is that the friction is there."""
+
+
+def joint_deviations(rows: int, coefficients: int) -> float:
+    """Standard deviations within which the friction is at all rows together, with `CONFIDENCE`.
+
+    The least of two bounds that hold for any covariance: the sum of the probabilities row by row, and the
+    ellipsoid of the coefficients (H. Scheffe, The Analysis of Variance, 1959).
+    """
+    beyond = 1.0 - CONFIDENCE
+    return float(min(-ndtri(beyond / rows), math.sqrt(chdtri(coefficients, beyond))))
 
 
 # What the user asks of the estimator.

@@ -93,6 +93,32 @@ def _k(i: int, j: int) -> str:
     return f"v_{i}" if i == j else f"k_{i}_{j}"
 
 
+def known(n: int) -> list[str]:
+    """The coefficients over their prior deviations, and the factor of their covariance by the innovations.
+
+    It is their mean square, and (1 + rho)/(1 - rho): by so much the variance of a mean of many is larger if
+    each is correlated with the next by rho.
+    """
+    return [
+        *(f"y_{j} = s.coefficient[{j}] / STEP_{j}" for j in range(n)),
+        "spread = s.square * (ONE + s.rho) / (ONE - s.rho)",
+    ]
+
+
+def shared(n: int) -> list[str]:
+    """The share of the friction that is sure at a `row` of the regressor times prior deviations."""
+    return [
+        *(
+            f"t_{j} = " + " + ".join([*(f"s.u[{place(i, j)}] * row[{i}]" for i in range(j)), f"row[{j}]"])
+            for j in range(n)
+        ),
+        "squares = " + " + ".join(f"s.d[{j}] * (t_{j} * t_{j})" for j in range(n)),
+        "friction = " + " + ".join(f"row[{j}] * y_{j}" for j in range(n)),
+        "bound = DEVIATIONS * sqrt(spread * size(squares))",
+        "share = within((friction - bound) / at_least(friction, LEAST_FRICTION), ZERO, ONE)",
+    ]
+
+
 def kept(n: int) -> list[str]:
     """The coefficients, which are within their bounds."""
     return [f"s.coefficient[{j}] = x_{j}" for j in range(n)]

@@ -10,7 +10,7 @@ import numpy as np
 
 from eccentric.core import InputError
 from eccentric.emission.adapt import update
-from eccentric.emission.adapt.prior import Adaptation, Alarm, Prior, alarm_of
+from eccentric.emission.adapt.prior import CONFIDENCE, Adaptation, Alarm, Prior, alarm_of, joint_deviations
 from eccentric.emission.adapt.update import (
     NEEDED,
     STATES,
@@ -55,6 +55,7 @@ _GLOBAL = {
     "MOST_SHARPNESS": 2.0**5,
     "LEAST_LIMIT": 5.0 * 2.0**-5,  # CLIP times the root of LEAST_SQUARE
     "MOST_LIMIT": 5.0 * 2.0**4,
+    "LEAST_FRICTION": 2.0**-40,  # over that of the prior
 }
 _MOST_ZETA, _MOST_RESIDUAL = 1e8, 1e6
 """Largest variance of a row's friction and largest residual that count, over the noise."""
@@ -79,6 +80,7 @@ def constants_of(
     return [
         *_GLOBAL.items(),
         ("PER_NOISE", 1 / prior.noise),
+        ("DEVIATIONS", joint_deviations(*prior.rows.shape)),
         ("MOVING", prior.moving),
         ("LAMBDA", asked.forgetting),
         ("FORGET", forget),
@@ -139,12 +141,14 @@ def view(model: Model, prior: Prior, asked: Adaptation, digest: str, source: str
         "scaled": update.scaled(),
         "updated": update.updated(n),
         "kept": update.kept(n),
+        "known": update.known(n),
+        "shared": update.shared(n),
     }
     return {
         "name": model.name,
         "guard": model.name.upper(),
         "digest": digest,
-        "names": ["init", "open", "apply", "parameters", "unseen", "deviation"],
+        "names": ["init", "open", "apply", "parameters", "unseen", "deviation", "gain"],
         "n": n,
         "triangle": n * (n - 1) // 2,
         "flags": [{"name": name, "value": value, "doc": doc} for name, value, doc in _FLAGS],
@@ -170,6 +174,8 @@ def view(model: Model, prior: Prior, asked: Adaptation, digest: str, source: str
             "lorden": f"{alarm.lorden:.1f}",
         },
         "constants": [decimals(name, value) for name, value in constants],
+        "rows": [[decimals("row", float(x)) for x in row] for row in prior.rows * prior.deviations],
+        "confidence": f"{100.0 * CONFIDENCE:g}",
         "all": {
             which: [f"{name}_{k}" for k in range(n)]
             for which, name in (("step", "STEP"), ("lowest", "LOWEST"), ("highest", "HIGHEST"), ("x", "x"))

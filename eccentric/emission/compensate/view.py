@@ -13,7 +13,7 @@ import numpy as np
 import sympy as sp
 
 from eccentric.core import InputError
-from eccentric.emission.adapt import covariance_of_fit, regressor_rows
+from eccentric.emission.adapt import CONFIDENCE, covariance_of_fit, identified_states
 from eccentric.emission.backends import decimal, with_plain_text, wrapped
 from eccentric.emission.check import limits, proof_command
 from eccentric.emission.compensate.slopes import ZERO, steepness
@@ -87,12 +87,7 @@ def spell(e: sp.Expr, letters: Mapping[str, str], language: _Spelled) -> str:
 
 MOST_WITHOUT_REFERENCE = 0.9
 """The most that may follow a measured velocity or a demanded torque."""
-_CONFIDENCE = 0.975
-_DRAWS, _SPEEDS = 20_000, 24
-_RANGE = {TURNING: (1.0, 40.0), LINEAR: (0.005, 0.2)}
-"""Speeds where a fit states none [rad/s, m/s]."""
-_LITTLE = 0.02
-"""A friction below this share of its mean is left out: a ratio of two noughts says nothing."""
+_DRAWS = 20_000
 
 
 @dataclass(frozen=True)
@@ -115,16 +110,14 @@ def gain_of(model: Model, fit: Mapping[str, Any] | None = None) -> CompensationG
     """
     fit = fit or {}
     columns = regressor(spoken(model))
-    rows, values = _states(model, fit)
-    friction = rows @ values
-    there = friction > _LITTLE * np.mean(np.abs(friction))
-    if not there.any():
+    rows, values = identified_states(model, fit)
+    if not len(rows):
         raise InputError(f"model {model.name}", "friction to compensate", "none")
     covariance = covariance_of_fit(columns, fit)
     if not covariance.any():
         stated = f"{MOST_WITHOUT_REFERENCE}, since without a fit the uncertainty of the friction is unknown"
         return CompensationGain(MOST_WITHOUT_REFERENCE, stated)
-    value = sure_share(rows[there], values, covariance)
+    value = sure_share(rows, values, covariance)
     return CompensationGain(
         value, f"{value}: with 97.5 % confidence, friction is nowhere below this share of the model's"
     )
@@ -161,21 +154,9 @@ def sure_share(rows: np.ndarray, values: np.ndarray, covariance: np.ndarray) -> 
     drawn = np.random.default_rng(0).standard_normal((len(values), _DRAWS))
     errors = rows @ (axes * np.sqrt(np.maximum(squares, 0.0)) @ drawn)
     least = 1.0 + np.min(errors / (rows @ values)[:, None], axis=0)
-    found = float(np.quantile(least, 1.0 - _CONFIDENCE))
+    found = float(np.quantile(least, 1.0 - CONFIDENCE))
     # Further decimals are of the draws.
     return math.floor(1000.0 * min(max(found, 0.0), 1.0)) / 1000.0
-
-
-def _states(model: Model, fit: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of the regressor by the direction of motion, over a turn and the speeds of the fit; values."""
-    axis, ranges = model.axis, fit.get("ranges")
-    given = ranges.get(axis.named("speed_m_rad_s")) if isinstance(ranges, Mapping) else None
-    slowest, fastest = given if isinstance(given, list | tuple) and len(given) == 2 else _RANGE[axis]
-    slowest = max(slowest, 0.01 * fastest)
-    speed = np.geomspace(slowest, fastest, _SPEEDS)
-    rows, omega_m = regressor_rows(model, np.concatenate((-speed, speed)))
-    values = np.asarray(load_module(model).friction_coefficients(), float)
-    return rows * np.sign(omega_m)[:, None], values
 
 
 # The settings, with what is required of them and their defaults by the kind of axis.
