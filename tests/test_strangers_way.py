@@ -120,6 +120,30 @@ def test_numbered_letters_say_nothing(tmp_path: Path) -> None:
     assert {"time": "V1", "theta_m": "V2", "omega_m": "V3", "current": "V4"} == proposed(draft_rig(log))
 
 
+def test_a_part_of_a_rated_torque_is_multiplied_as_the_doubt_says(tmp_path: Path) -> None:
+    """Per mille of 1.27 N m: the arithmetic in the doubt, put into the rig file, gives newton metres."""
+    columns = {"t_s": T, "pos_rad": Q, "Torque actual value [0.1%]": K * current() / 1.27e-3}
+    log = written(tmp_path / "log.csv", columns)
+    drafted = draft_rig(log)
+    (said,) = (doubt for doubt in drafted.doubts if "rated value" in doubt)
+    line = re.search(r'makes it "(.*?)"', said)
+    assert line is not None
+    rig = filled(drafted, tmp_path / "log.toml")
+    rig.write_text(re.sub(r"^torque = .*$", f'torque = "{line[1]}"', rig.read_text(), flags=re.MULTILINE))
+
+    assert eccentric.fit(log, rig).estimates["J"].value == pytest.approx(J, rel=0.02)
+
+
+def test_a_line_drawn_below_the_header(tmp_path: Path) -> None:
+    """Of a report in columns, with a title and units."""
+    rows = "".join(f"{t:10.3f} {q:10.3f} {i:10.4f}\n" for t, q, i in zip(T, Q, current(), strict=True))
+    head = "Motor test 3\n\n  Time   Angle   Current\n  [s]   [rad]   [A]\n-------------------\n"
+    (tmp_path / "log.txt").write_text(head + rows)
+    log = read_log(tmp_path / "log.txt")
+
+    assert {"Time": "s", "Angle": "rad", "Current": "A"} == dict(log.units)
+
+
 def test_a_floating_point_number_is_no_force() -> None:
     """By its prefix."""
     assert "torque" != read_name("fLoad").quantity

@@ -343,7 +343,10 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
     if name.is_rated:
         unit, sure = {"torque": "N m", "current": "A", "voltage": "V"}[one.kind], 0.3
         part = {"%": "percent", "‰": "parts per thousand", "pu": "parts"}[name.unit]
-        doubts.append(f"in {part} of a rated value that the log does not contain")
+        product = f"{quoted(name.text)} * {({'%': 0.0127, '‰': 0.00127, 'pu': 1.27})[name.unit]}"
+        doubts.append(
+            f'in {part} of a rated value that the log does not contain: one of 1.27 {unit} makes it "{product}"'
+        )
     elif name.unit:
         evidence.append(f"{unit} by its name")
     else:

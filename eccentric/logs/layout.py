@@ -34,6 +34,8 @@ _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]")
 _CLOCK = re.compile(r".*\d:\d\d(:\d\d)?([.,]\d+)?\s*([AaPp][Mm])?\s*Z?|\s*\d{4}-\d\d-\d\d.*")
 _SETTING = re.compile(r"\s*[^\d\s,;=:][^,;=:]*[:=]\s*\S")
 """A line of settings, such as "Device: X"."""
+_RULE = re.compile(r"[\s|+]*[-=_][-=_\s|+]*")
+"""A line that is drawn below a header."""
 _COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
 _PROSE = re.compile(
     r"[:=]\s*\S|\d{4}-\d\d-\d\d|\b(of|with|the|and|for|from|is|by|some|this|mit|der|die|das|und|von|für)\b",
@@ -88,7 +90,8 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     above = [
         (k, [cell.strip() for cell in cells])
         for k, line in enumerate(lines[:first], start=1)
-        if not (
+        if not _RULE.fullmatch(line)
+        and not (
             line.startswith("#")
             and is_prose(line, at_blanks=delimiter == BLANKS and line.count(",") != width - 1)
         )
