@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import shutil
 import subprocess
@@ -67,6 +68,15 @@ def test_a_root_of_a_quotient_stays_one_root() -> None:
     assert (root.args, root) == (back.args, back)
 
 
+def test_a_greatest_comes_back_as_it_was_written() -> None:
+    """Without a comparison of its arguments, which would take most of the time of reading it."""
+    x = sp.Symbol("x", positive=True)
+
+    for kind in (sp.Max, sp.Min):
+        most = kind(2 * x, 3 * x, evaluate=False)
+        assert written(most) == written(from_bytes(to_bytes(most)))
+
+
 def test_a_fingerprint_sees_every_letter() -> None:
     """Of a name, an assumption, an order of arguments that is kept, and a number."""
     x, positive = sp.Symbol("x"), sp.Symbol("x", positive=True)
@@ -95,6 +105,30 @@ def test_the_next_process_has_the_same_model(tmp_path: Path) -> None:
     assert first == run(tmp_path, PYTHONHASHSEED="2")
     assert before == file.stat().st_mtime_ns
     assert first == run(tmp_path, HOMELESS, XDG_CACHE_HOME="")
+
+
+EXTENDED = """
+from eccentric.core import derived
+from eccentric.emission import load_module, render
+from eccentric.simulation import Law
+from tests.extended import effects
+from eccentric.model import load_model
+model = effects("C2")["link_harmonic_friction[n=1]"].extend(load_model("c2_parallel"))
+print(list(load_module(model).__dict__), render(model, backends=["numpy"]), sorted(Law(model).at({}).names))
+print(sorted({key.split()[0] for key in derived._new}), file=open("KINDS", "w"))
+"""
+
+
+def test_the_next_process_emits_the_same_extended_model(tmp_path: Path) -> None:
+    """Byte for byte, from outputs, routines, module and law that the first has stored."""
+    code = EXTENDED.replace("KINDS", str(tmp_path / "made"))
+    first, made = run(tmp_path, code, PYTHONHASHSEED="1"), tmp_path / "made"
+
+    assert {"interface", "law", "model", "module", "routines", "template"} == set(
+        ast.literal_eval(made.read_text(encoding="utf-8"))
+    )
+    assert first == run(tmp_path, code, PYTHONHASHSEED="2")
+    assert "[]\n" == made.read_text(encoding="utf-8")
 
 
 @pytest.mark.slow

@@ -128,10 +128,12 @@ class Derived:
         return self._new.get(key) or self._stored.get(key)
 
     def put(self, key: str, content: bytes) -> None:
-        """Store a result, up to the size limit."""
+        """Store a result; beyond the size limit, those before it are forgotten."""
         self._size += len(content)
-        if self._size < _MOST_BYTES:
-            self._new[key] = content
+        if self._size > _MOST_BYTES:
+            self._new.clear()
+            self._size = len(content)
+        self._new[key] = content
 
     def _read(self) -> dict[str, bytes]:
         content = read_cached(self._file)

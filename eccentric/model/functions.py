@@ -32,6 +32,7 @@ from eccentric.core import derived
 
 _OURS = {"sympy", "eccentric"}
 """Packages whose classes are fixed as long as no source changes; a class of a user's script is not."""
+_EVALUATED = sp.Add | sp.Mul | sp.Pow | sp.Function | sp.Max | sp.Min
 _MOST_KNOWN = 50_000
 _known: dict[sp.Basic, bytes] = {}
 """Cached digests of expressions: those of effects share a few thousand subexpressions."""
@@ -55,7 +56,7 @@ def from_bytes(content: bytes) -> Any:
 
 class _Pickler(pickle.Pickler):
     def reducer_override(self, obj: Any) -> Any:
-        if isinstance(obj, sp.Add | sp.Mul | sp.Pow | sp.Function) and not isinstance(obj, AppliedUndef):
+        if isinstance(obj, _EVALUATED) and not isinstance(obj, AppliedUndef):
             return _as_written, (type(obj), obj.args)
         is_custom = type(obj).__reduce__ is not object.__reduce__
         if is_dataclass(obj) and not isinstance(obj, type) and not is_custom:  # without cached properties

@@ -332,7 +332,9 @@ def spoken_program(program: Program, axis: AxisKind) -> Program:
 SHORTEST = "1e-9"
 _DT, _LEAST = v.dt.symbol, sp.Rational(SHORTEST)
 _ELAPSED = Assignment(
-    sp.Symbol("elapsed", real=True), sp.Max(_DT, _LEAST), "time step, at least the shortest [s]"
+    sp.Symbol("elapsed", real=True),
+    sp.Max(_DT, _LEAST, evaluate=False),  # which takes as long as all else here
+    "time step, at least the shortest [s]",
 )
 
 
