@@ -134,6 +134,17 @@ def test_a_part_of_a_rated_torque_is_multiplied_as_the_doubt_says(tmp_path: Path
     assert eccentric.fit(log, rig).estimates["J"].value == pytest.approx(J, rel=0.02)
 
 
+@pytest.mark.parametrize(("k_i", "doubted"), [("0.05 N m/A", False), ("0.3 N m/A", True)])
+def test_a_torque_beside_the_current_shows_its_constant(k_i: str, doubted: bool, tmp_path: Path) -> None:
+    """Without gravity and inertia in the rig, nothing else does."""
+    log = written(tmp_path / "log.csv", {"t": T, "q": Q, "i": current(), "tau": K * current() + NOISE / 9})
+    rig = {"drive": "current", "columns": {"time": "t", "theta_m": "q", "current": "i", "torque": "tau"}}
+    known = {"case": "C1", "mu": 1, "M": "0 kg", "L": "0 m", "k_i": k_i}
+    found = eccentric.check_rig(log, rig=rig | {"known": known})
+
+    assert doubted == any("k_i is 0.05 N m/A in the log" in doubt for doubt in found.doubts)
+
+
 def test_a_line_drawn_below_the_header(tmp_path: Path) -> None:
     """Of a report in columns, with a title and units."""
     rows = "".join(f"{t:10.3f} {q:10.3f} {i:10.4f}\n" for t, q, i in zip(T, Q, current(), strict=True))

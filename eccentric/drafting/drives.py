@@ -7,6 +7,7 @@ are logged, voltage = R current + k_e speed.
 from __future__ import annotations
 
 import dataclasses
+import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -345,7 +346,8 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
         part = {"%": "percent", "‰": "parts per thousand", "pu": "parts"}[name.unit]
         product = f"{quoted(name.text)} * {({'%': 0.0127, '‰': 0.00127, 'pu': 1.27})[name.unit]}"
         doubts.append(
-            f'in {part} of a rated value that the log does not contain: one of 1.27 {unit} makes it "{product}"'
+            f"in {part} of a rated value that the log does not contain: one of 1.27 {unit} makes it "
+            + json.dumps(product, ensure_ascii=False)
         )
     elif name.unit:
         evidence.append(f"{unit} by its name")

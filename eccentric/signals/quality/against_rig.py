@@ -30,6 +30,7 @@ from eccentric.signals.quality.ratios import (
     Ratio,
     RigidBody,
     body_of,
+    constant_beside_torque,
     constant_by_torque,
     electrical,
     is_clear,
@@ -97,7 +98,7 @@ def beside_the_rig(channels: Channels, rig: Rig) -> list[Ratio]:
         # Where moving rows are too few, the circuit is still seen, at standstill and through reversals.
         circuit = means_of(channels, rig, moving=False)
         return [] if circuit is None else list(electrical(circuit, rig))
-    found, drive = list(electrical(means, rig)), channels.motor.measured_by
+    found, drive = [*electrical(means, rig), *constant_beside_torque(means, rig)], channels.motor.measured_by
     if drive in means.drives:
         body = body_of(means, means.drives[drive], means.link)
         if body.explained >= limits.EXPLAINED:

@@ -329,6 +329,22 @@ def constant_by_torque(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]
         yield Ratio.of("k_i", k, error, given, rig.axis, text)
 
 
+def constant_beside_torque(m: Means, rig: Rig) -> Iterator[Ratio]:
+    """Yield the k_i by a torque that is logged beside the current, over that of the rig.
+
+    A sensor has no part of the friction before it, which costs it some of the current.
+    """
+    if "k_i" not in rig.known or not {"torque", "current"} <= set(m.drives):
+        return
+    current = m.drives["current"]
+    a, covariance, explained = regressed([current, np.ones_like(current)], m.drives["torque"])
+    if explained >= limits.EXPLAINED and a[0] > 0.0:
+        error = math.sqrt(covariance[0, 0]) * limits.SIGMAS
+        yield replace(
+            Ratio.of("k_i", float(a[0]), error, rig.known["k_i"], rig.axis), agrees=limits.FACTOR_MOTOR
+        )
+
+
 def _armature(m: Means) -> tuple[tuple[float, float], tuple[float, float]] | None:
     """Return R and k_e by u = R i + k_e w, each with its uncertainty; None if that does not hold."""
     if not {"voltage", "current"} <= set(m.drives):
