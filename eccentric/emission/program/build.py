@@ -35,6 +35,7 @@ from eccentric.model import (
     Forward,
     Gated,
     Input,
+    Interface,
     Model,
     Output,
     Quantity,
@@ -371,11 +372,7 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
             chosen name, or none that depends on a parameter; or fixed ones that they need are not given.
     """
     interface = interface_of(model)
-    # Models that differ in their values alone have the same routines.
-    record = structure_of(model), choice.functions
-    prepare, helpers, routines, constants = cached(
-        "routines", record, lambda: _lowered(model, choice.of(interface.outputs))
-    )
+    prepare, helpers, routines, constants = _routines(model, interface, choice)
     names, labels = [r.name for r in routines], {r.name: r.labels for r in routines}
     listed = [(name, labels[of]) for name, of in interface.constants.items() if of in labels]
     coefficients = _used((*helpers, *routines), model, prepare)
@@ -419,6 +416,23 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
             " parameters, or choose functions that need none of them",
         )
     return program
+
+
+# By identity, as the interface: models that differ in their values alone have the same routines.
+_KEPT = 8
+_kept: dict[tuple[int, tuple[str, ...]], tuple[Interface, _Lowered]] = {}
+
+
+def _routines(model: Model, interface: Interface, choice: Choice) -> _Lowered:
+    """From memory, where the last 8 are kept; those of one drive from the user's cache, too."""
+    key = id(interface), choice.functions
+    if key not in _kept:
+        record = structure_of(model), choice.functions
+        found = cached("routines", record, lambda: _lowered(model, choice.of(interface.outputs)))
+        if len(_kept) >= _KEPT:
+            _kept.pop(next(iter(_kept)), None)
+        _kept[key] = interface, found
+    return _kept[key][1]
 
 
 def _lowered(model: Model, outputs: Sequence[Output]) -> _Lowered:
