@@ -85,7 +85,7 @@ def line_of(found: Diagnosis) -> Line:
     ruled_out = "".join(
         f"; {c.id} is excluded by the parts of the drive"
         if c.id in lacking
-        else f"; the log travels too little to prove {c.id}"
+        else f"; the log covers too small an angle to prove {c.id}"
         for c in a.ruled_out
     )
     says = {
@@ -103,7 +103,7 @@ def line_of(found: Diagnosis) -> Line:
         f" **{check.outside}** {check.known.low:.3g} to {check.known.high:.3g}"
         if check.outside
         else f"{check.known.name.removeprefix('the ')}: {check.value:.3g} {check.known.unit},"
-        f" not outside {check.known.low:.3g} to {check.known.high:.3g}"
+        f" consistent with {check.known.low:.3g} to {check.known.high:.3g}"
         for check in found.ranges
     ]
     return {

@@ -49,7 +49,7 @@ def _outside(check: RangeCheck) -> str:
 def range_line(check: RangeCheck) -> str:
     """A figure with its interval, whether it is in its range, and the source of that."""
     known, (low, high), unit = check.known, check.interval, _unit(check)
-    place = f"{check.outside} the known range" if check.outside else "not outside the known range"
+    place = f"{check.outside} the known range" if check.outside else "consistent with the known range"
     return (
         f"{known.name.rstrip(',')}: {check.value:.3g}{unit}"
         f" (95 % interval {low:.3g} to {high:.3g}{unit}), {place},"
@@ -71,8 +71,8 @@ def ruled_out_sentence(found: Diagnosis) -> str:
     if needs := _needs(best.only_with, found.rig.parts):
         return f"{name[0].upper()}{name[1:]} explains more of it, but it needs {needs}."
     return (
-        f"{name[0].upper()}{name[1:]} explains more of it, but the log travels only"
-        f" {best.periods_seen(found.setting):.2g} of the angle that tells it from other curves."
+        f"{name[0].upper()}{name[1:]} explains more of it, but the log covers only"
+        f" {best.periods_seen(found.setting):.2g} of the angle needed to tell it from other curves."
     )
 
 
