@@ -459,7 +459,7 @@ def behind_hold(table: Table, by: str, *, of_voltage: bool) -> BehindHold | None
     # u = R i + k_e (w + more dw), dw the change over the row, and w by the last guess of late, which more
     # makes better. Noise of one row's angle is in w and dw, that of the voltage in u: voltage and current of
     # the rows beside it, the instruments, have neither.
-    one, late = np.ones(len(rows)), 0.5
+    one, late, slope, error = np.ones(len(rows)), 0.5, 0.0, math.inf
     beside = [signal[rows + k] for signal in (held, x) for k in (-1, 1)]
     basis = np.linalg.qr(np.column_stack([one, x[rows], *beside]))[0]
     for _ in range(limits.GUESSES):
@@ -470,12 +470,12 @@ def behind_hold(table: Table, by: str, *, of_voltage: bool) -> BehindHold | None
         explained = 1.0 - left / max(float(np.var(held[rows])), 1e-300)
         if r <= 0.0 or k_e <= 0.0 or explained < limits.CIRCUIT_EXPLAINED:
             return None
-        late = min(max(late + float(more / k_e), 0.0), 1.0)
+        late, slope = min(max(late + float(more / k_e), 0.0), 1.0), float(-k_e / r)
+        error = math.sqrt(left * float(np.linalg.pinv(projected.T @ projected)[2, 2])) / float(k_e)
     # At the start, the middle or the end of its row; the middle is that of a hold of the current itself.
-    error = math.sqrt(left * float(np.linalg.pinv(projected.T @ projected)[2, 2])) / float(k_e)
     late = round(2.0 * late) / 2.0
     unknown = late == 0.5 or error > limits.SAMPLED_WHEN
-    return None if unknown else BehindHold(by, float(-k_e / r), late, levels)
+    return None if unknown else BehindHold(by, slope, late, levels)
 
 
 def _usual_slope(x: Array, w: Array, same: Mask) -> Array:
