@@ -358,7 +358,7 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
     for name, p in profiles.items():
         change = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
         found.append(
-            f"{axis.named(name)} is known only by a range: over it, the training error changes"
+            f"{axis.named(name)} is known only as a range; within it, the training error changes"
             f" by {change:.1f} %"
         )
     return found
