@@ -103,7 +103,8 @@ def line_of(found: Diagnosis) -> Line:
         f" **{check.outside}** {check.known.low:.3g} to {check.known.high:.3g}"
         if check.outside
         else f"{check.known.name.removeprefix('the ')}: {check.value:.3g} {check.known.unit},"
-        f" consistent with {check.known.low:.3g} to {check.known.high:.3g}"
+        f" {'within' if check.known.low <= check.value <= check.known.high else 'too uncertain to compare with'}"
+        f" {check.known.low:.3g} to {check.known.high:.3g}"
         for check in found.ranges
     ]
     return {

@@ -19,7 +19,7 @@ RIG = {"drive": "voltage", "known": {"case": "C1", "mu": 1, "M": "0 kg", "L": "0
 _TAU = A / B
 
 
-def _after(theta: float, w: float, u: float, rate: float, seconds: float) -> tuple[float, float]:
+def advanced(theta: float, w: float, u: float, rate: float, seconds: float) -> tuple[float, float]:
     """Angle [rad] and velocity [rad/s] after a time in which the voltage goes from u [V] at a rate [V/s]."""
     s = 0.0
     while seconds - s > 1e-15:
@@ -77,8 +77,8 @@ def log(
         angles[k] = theta
         ramp = 0.0 if held else (u[k + 1] - u[k]) / dt
         if late is not None:
-            current[k] = u[k] + ramp * late * dt - _after(theta, w, u[k], ramp, late * dt)[1]
-        theta, w = _after(theta, w, u[k], ramp, dt)
+            current[k] = u[k] + ramp * late * dt - advanced(theta, w, u[k], ramp, late * dt)[1]
+        theta, w = advanced(theta, w, u[k], ramp, dt)
     logged = {
         "time_s": np.arange(n) * dt,
         "theta_m_rad": angles + noise_rad * rng.standard_normal(n),

@@ -261,7 +261,7 @@ def test_a_loss_beyond_the_inertia_is_an_error_and_nan_for_arrays() -> None:
     lossy = executed(test_rest.lossy())
     inertia = {"J_m": test_rest.J_M, "J_l": test_rest.J_L}
     below, above = test_rest.beside_the_bound(*test_rest.LOSSES[3])
-    with pytest.raises(ValueError, match=r"^gear_eta: expected friction that depends on"):
+    with pytest.raises(ValueError, match=r"^gear_eta: expected acceleration-dependent friction"):
         jax.jit(
             lambda torque: lossy.acceleration(0.3, 0.0, 0.0, torque, lossy.Parameters(**above, **inertia))
         )(0.1)

@@ -11,7 +11,7 @@ from eccentric.logs import Log
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from eccentric.signals.rows import at_the_times
-from tests.first_order_drive import RIG, A, log
+from tests.first_order_drive import RIG, A, advanced, log
 
 DECLARED = RIG | {"kinds": {"voltage": "held"}}
 
@@ -101,13 +101,27 @@ def test_the_inertia_is_right_by_a_current_behind_a_hold(rate_hz: float, late: f
     assert pytest.approx(A, rel=1e-2) == np.mean([one.value for one in found])
 
 
-@pytest.mark.parametrize("rate_hz", [10.0, 20.0, 50.0])
-def test_a_current_alone_behind_a_hold_is_of_the_time_of_its_row(rate_hz: float) -> None:
-    """Without the voltage; a warning says how the current is taken."""
-    logged = {n: x for n, x in log(rate_hz, True, 1, late=0.0).items() if n != "voltage_V"}
+@pytest.mark.parametrize("late", [0.0, 0.5, 1.0])
+def test_a_current_alone_does_not_show_when_it_was_sampled(late: float) -> None:
+    """Without the voltage, a current that falls with the speed may be that of a speed controller."""
+    logged = {n: x for n, x in log(20.0, True, 1, late=late).items() if n != "voltage_V"}
     said = read_channels([table(logged)], read_rig(CURRENT)).intake.warnings
+    assert [False] * len(said) == ["sampled at row" in one for one in said]
 
-    assert any("sampled at row starts" in one for one in said)
+
+@pytest.mark.parametrize(("rate_hz", "gain"), [(20.0, 3.0), (50.0, 3.0)])
+def test_the_inertia_is_right_by_a_current_that_a_controller_holds(rate_hz: float, gain: float) -> None:
+    """The current of a row is gain (reference - w) at its start."""
+    rng, dt = np.random.default_rng(3), 1.0 / rate_hz
+    n, every = int(60 * rate_hz), round(0.7 * rate_hz)
+    reference = np.repeat(rng.uniform(-6.0, 6.0, n // every + 1), every)[:n]
+    theta, w, angles, current = 0.0, 0.0, np.empty(n), np.empty(n)
+    for k in range(n):
+        angles[k], current[k] = theta, gain * (reference[k] - w)
+        theta, w = advanced(theta, w, current[k], 0.0, dt)
+    noisy = angles + 2e-4 * rng.standard_normal(n)
+    logged = {"time_s": np.arange(n) * dt, "theta_m_rad": noisy, "current_A": current}
+
     assert pytest.approx(A, rel=1e-2) == eccentric.fit(logged, CURRENT).estimates["J"].value
 
 

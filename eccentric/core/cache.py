@@ -29,7 +29,7 @@ OURS_ALONE = 0o700
 """Mode of the cache folder and the files in it."""
 _LIBRARIES = ("sympy", "mpmath", "jinja2", "numpy")
 _MOST_BYTES = 4 * 2**20
-"""Size limit of the file of derived results, beyond which it is restarted; one log takes 0.3 MB."""
+"""Most bytes of the derived results of a file; beyond, those of single logs, 0.5 MB each, are dropped."""
 
 
 def digest(parts: Iterable[str | bytes]) -> str:

@@ -85,12 +85,13 @@ def columns_of(log: Log, rows: slice) -> tuple[dict[str, LoggedColumn], dict[str
         said = Name(name) if numbered else read_name(name, log.units.get(name, ""))
         if name in made and not said.unit:
             said = replace(said, unit=made[name][0], maker=made[name][1])
-        lone = far_from_others(values) if said.quantity in ("angle", "speed", "") else ~there
-        at, good = np.arange(len(values)), there & ~lone
+        good, at = there.copy(), np.arange(len(values))
+        if said.quantity in ("angle", "speed"):
+            good[there] = ~far_from_others(values[there])
         numbers[name] = LoggedColumn(
             said,
             values if np.all(good) else np.interp(at, at[good], values[good]),
-            int(np.count_nonzero(lone & there)),
+            int(np.count_nonzero(there & ~good)),
         )
     return numbers, texts
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.core import InputError, few
+from eccentric.core import InputError, counted, few
 from eccentric.drafting import limits
 from eccentric.drafting.balance import (
     GUESSED_UNITS,
@@ -523,7 +523,7 @@ def _channels(
         if column.name.quantity == what:
             said.insert(0, f"{what} by its name")
         if column.astray:
-            said.append(f"{column.astray} rows far from those beside are left out")
+            said.append(f"{counted(column.astray, 'row')} far from its neighbours, which a fit drops")
         doubts = [doubt] if doubt else []
         if column.name.role == "electrical":
             doubts.append(ELECTRICAL)

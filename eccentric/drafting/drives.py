@@ -346,7 +346,7 @@ def _proposal(one: Driven, motion: Moved) -> Proposal:
         part = {"%": "percent", "‰": "parts per thousand", "pu": "parts"}[name.unit]
         product = f"{quoted(name.text)} * {({'%': 0.0127, '‰': 0.00127, 'pu': 1.27})[name.unit]}"
         doubts.append(
-            f"in {part} of a rated value that the log does not contain: one of 1.27 {unit} makes it "
+            f"in {part} of a rated value that the log does not contain: with one of 1.27 {unit}, write "
             + json.dumps(product, ensure_ascii=False)
         )
     elif name.unit:

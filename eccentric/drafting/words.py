@@ -253,7 +253,7 @@ def read_name(text: str, unit: str = "") -> Name:
 
 _NO_UNITS = frozenset({"min", "hz", "count", "counts", "cnt", "inc", "ticks", "grad", "rev", "rads"})
 """Units that are names of other things where they are the whole name of a column."""
-_HUNGARIAN = re.compile(r"f[A-Z]")
+_HUNGARIAN = re.compile(r"f[A-Z][a-z]")
 """A floating-point number by its name, as fLoad: no force."""
 _LETTER = re.compile(r"(?<![A-Za-z])[A-Z]\d*$|(?<=[a-z])[A-Z]\d+$")
 _OUTPUT = re.compile(r"^(out\.|simout|yout|\"?model root\"?/)+", re.IGNORECASE)

@@ -89,7 +89,9 @@ def fingerprint(value: Any) -> str:
 def _print_of(value: Any, known: dict[sp.Basic, bytes]) -> bytes:
     if isinstance(value, sp.Basic):
         if value not in known:
-            if type(value).__module__.partition(".")[0] not in _OURS:
+            if (type(value).__module__ or "").partition(".")[
+                0
+            ] not in _OURS:  # an undefined function has none
                 name = type(value).__qualname__
                 raise TypeError(f"expected a class of SymPy or of ours, got {name}")
             inside = [_print_of(arg, known) for arg in value.args]

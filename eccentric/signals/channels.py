@@ -78,12 +78,13 @@ def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], B
     if more < limits.PROVED:
         return kinds, None, []
     name = rig.axis.named(by)
-    behind, voltage = _behind_hold(points, rig, by, step), "voltage" in points.table.channels
+    behind = _behind_hold(points, rig, by, step)
     if behind is None:
         how, kinds = "held from row to row", {**kinds, by: "held"}
     else:
-        how = f"held but for back-EMF, and sampled at row {'ends' if behind.late else 'starts'}"
-        kinds = {"voltage": "held", **kinds} if voltage else kinds
+        when = "ends" if behind.late else "starts"
+        how = f"held apart from the back-EMF between steps, and sampled at row {when}"
+        kinds = {"voltage": "held", **kinds}
     said = (
         f"the {name} is {how}, {step:.3g} s each: that explains the motion better than samples"
         f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" of the rig overrides this)'
@@ -92,15 +93,13 @@ def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], B
 
 
 def _behind_hold(points: _Points, rig: Rig, by: str, step: float) -> BehindHold | None:
-    """How a current falls with the speed between jumps; None for a voltage, and where it does not."""
-    there = "voltage" in points.table.channels
-    if by == "voltage" or (
-        there
-        and rig.log.kinds.get("voltage", "") != "held"
-        and ("voltage" in rig.log.kinds or _evidence_of_hold(points, rig, "voltage", step) < limits.PROVED)
-    ):
+    """How a current falls with the speed between the jumps of a held voltage; None without such a voltage."""
+    kind = rig.log.kinds.get("voltage", "")
+    if by != "current" or "voltage" not in points.table.channels or kind not in ("", "held"):
         return None
-    return behind_hold(points.table, by, of_voltage=there)
+    if not kind and _evidence_of_hold(points, rig, "voltage", step) < limits.PROVED:
+        return None
+    return behind_hold(points.table, by)
 
 
 def _evidence_of_hold(points: _Points, rig: Rig, by: str, step: float) -> float:

@@ -205,7 +205,7 @@ def astray(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) ->
     if not count:
         return Stale(rows, ())
     text = (
-        f"{log.path}: {counted(count, 'row')} with an angle or a speed far from those beside (first:"
+        f"{log.path}: {counted(count, 'row')} with an angle or a speed far from its neighbours (first:"
         f" {log.place(int(np.flatnonzero(rows)[0]))}){DROPPED}"
     )
     return Stale(rows, (Finding("astray", "theta_m", text, count, "warning"),))
@@ -214,23 +214,25 @@ def astray(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) ->
 def far_from_others(x: Array) -> Mask:
     """Rows of an angle or a speed (n,) whose value no motion reaches and leaves again within a row.
 
-    A transmission that failed, a first row left from before, a last one cut short. An angle that goes back
-    and forth where it wraps is not one: those steps are of the size of its range.
+    A transmission that failed, a first row left from before, a last one cut short: outside the range of all
+    other rows, by steps far larger than all others. A row across the wrap of an angle is none: its step is
+    about the range, or a turn.
     """
     out, steps = np.zeros(len(x), dtype=bool), np.abs(np.diff(x))
     if len(steps) < limits.FEWEST_BESIDE:
         return out
-    usual = float(np.quantile(steps, limits.FASTEST_ROWS))
+    usual = float(np.partition(steps, -2 * limits.LONE - 1)[-2 * limits.LONE - 1])
     far = steps > limits.ASTRAY * usual
     if usual <= 0.0 or not np.any(far):
         return out
     out[1:-1] = far[1:] & far[:-1] & (np.abs(x[2:] - x[:-2]) <= limits.ASTRAY * usual)
     out[0], out[-1] = far[0] and not out[1], far[-1] and not out[-2]
-    if np.count_nonzero(out) > max(limits.LONE, limits.MOST_ASTRAY * len(x)):
-        return np.zeros_like(out)
     low, high = float(np.min(x[~out])), float(np.max(x[~out]))
+    out &= (x < low) | (x > high)
     size = np.r_[steps[:1], np.maximum(steps[:-1], steps[1:]), steps[-1:]]
-    return out & (np.abs(size - (high - low)) > limits.WRAPS * (high - low))
+    for turn in (high - low, TURN, 360.0):
+        out &= np.abs(size - turn) > limits.WRAPS * turn
+    return out if np.count_nonzero(out) <= limits.LONE else np.zeros_like(out)
 
 
 def polled(log: Log, labels: Integers, channels: Sequence[Array], kept: Mask) -> Stale:

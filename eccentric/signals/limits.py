@@ -52,13 +52,11 @@ FEWEST_OF_A_RECORDING = 3
 FROZEN_ROWS, FROZEN_TIMES, CHANGING = 20, 5, 0.9
 """Rows at the end that repeat one: at least so many, so many times the most before them, in a log in which
 this part of the rows differs from the one before. The last digit of a sensor alone changes that often."""
-FEWEST_BESIDE, FASTEST_ROWS, ASTRAY = 50, 0.995, 20.0
-"""Rows of a run of which one may be damaged; the quantile of the steps that shows how fast the motion gets,
-and the multiple of it by which a single row has to be off: no acceleration reaches that and is gone again."""
-MOST_ASTRAY, LONE = 0.001, 3
-"""Part of the rows that may be damaged, or this many: more are a signal's way."""
+FEWEST_BESIDE, ASTRAY, LONE = 50, 20.0, 3
+"""Rows of a run of which one may be damaged; by how many times the largest other step it has to be off: no
+acceleration reaches that and is gone again; and how many such rows there may be: more are a signal's way."""
 WRAPS = 0.1
-"""How close, in parts of the range, a step comes to it where an angle wraps."""
+"""How close, in parts of it, a step comes to the range or to a turn where an angle wraps."""
 MOST_NEW, AT_ONCE = 0.5, 1.15
 """A log that is written faster than its source changes: at most this part of its rows has anything new, and
 as many, up to this factor, as the channel has that changes most. Steps of two sensors coincide by chance."""
@@ -148,9 +146,6 @@ GUESSES = 3
 """Of when in its row a current was sampled: each leaves a tenth of the last one's error."""
 JUMP = 5.0
 """Step of a voltage over the median step from which it is a jump: half of the steps of a log are noise."""
-FALLS = 0.5
-"""Median of what the slope of a current over the speed leaves of its steps, over the median of these, up to
-which it falls with the speed between its jumps."""
 HOLD_WINDOW_S = 0.3
 """Shortest windows that the evidence is taken from: in shorter ones, the noise of an encoder of 2,000 counts
 is most of the acceleration."""

@@ -431,18 +431,19 @@ class BehindHold:
         return dataclasses.replace(out, channels={**out.channels, self.by: x})
 
 
-def behind_hold(table: Table, by: str, *, of_voltage: bool) -> BehindHold | None:
-    """How a drive signal whose jumps are proved falls with the speed between them; None if it does not.
+def behind_hold(table: Table, by: str) -> BehindHold | None:
+    """How a current behind a held voltage falls with the speed, and when in its row it was sampled.
+
+    None if the circuit does not show it. Without a voltage nothing does: a current that falls with the speed
+    between its jumps may be that of a speed controller, which is held from row to row.
 
     Args:
         table: with the angle unwrapped on the motor side.
         by: the channel.
-        of_voltage: whether a voltage is logged, and held: the circuit also shows when in its row the signal
-            was sampled. Else it was at the time of its row, and its steps without a jump show the slope.
     """
     x, segment = table.channels[by], stretches(table.channels["time"], table.run)
     same = np.diff(segment) == 0
-    held = table.channels["voltage"] if of_voltage else x - _usual_slope(x, _speeds(table, segment), same)
+    held = table.channels["voltage"]
     sizes = np.abs(np.diff(held))
     jumps = ~same | (sizes > limits.JUMP * np.median(sizes[same]))
     levels = np.cumsum(np.r_[False, jumps])
@@ -451,11 +452,6 @@ def behind_hold(table: Table, by: str, *, of_voltage: bool) -> BehindHold | None
     if len(rows) < limits.LEAST_WINDOWS:
         return None
     faster = w[rows + 1] - w[rows]
-    if not of_voltage:
-        change = x[rows + 1] - x[rows]
-        slope = float(change @ faster / (faster @ faster))
-        falls = slope < 0.0 and np.std(change - slope * faster) < limits.FALLS * np.std(change)
-        return BehindHold(by, slope, 0.0, levels) if falls else None
     # u = R i + k_e (w + more dw), dw the change over the row, and w by the last guess of late, which more
     # makes better. Noise of one row's angle is in w and dw, that of the voltage in u: voltage and current of
     # the rows beside it, the instruments, have neither.
@@ -476,15 +472,6 @@ def behind_hold(table: Table, by: str, *, of_voltage: bool) -> BehindHold | None
     late = round(2.0 * late) / 2.0
     unknown = late == 0.5 or error > limits.SAMPLED_WHEN
     return None if unknown else BehindHold(by, slope, late, levels)
-
-
-def _usual_slope(x: Array, w: Array, same: Mask) -> Array:
-    """What the speed w (n,) makes of a signal (n,), by the median of its slopes: most rows have no jump."""
-    change, faster = np.diff(x)[same], np.diff(w)[same]
-    ratio = change / np.where(faster == 0.0, np.inf, faster)
-    order = np.argsort(ratio)
-    weights = np.cumsum(np.abs(faster[order]))
-    return ratio[order[np.searchsorted(weights, weights[-1] / 2.0)]] * w
 
 
 def _speeds(table: Table, levels: Integers, late: float = 0.0) -> Array:
