@@ -202,10 +202,10 @@ def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, 
     """Return angle [rad], velocity [rad/s], acceleration [rad/s^2] of one stretch (n,), and if low-passed.
 
     Rows that are missing from an even grid are filled in by a cubic spline through the others. Angles on no
-    such grid are interpolated linearly on one of the median step, filtered and
-    differentiated there, and interpolated back to the rows. If a log is too coarse for the low-pass filter, a
-    quintic spline through the raw angle is differentiated: differences over such coarse steps would lose part
-    of the acceleration, and the additional noise of the spline is averaged out by the windows of such a log.
+    such grid are interpolated linearly on one of the median step, filtered and differentiated there, and
+    interpolated back to the rows. If a log is too coarse for the low-pass filter, a quintic spline through
+    the raw angle is differentiated: differences over such coarse steps would lose part of the acceleration,
+    and the additional noise of the spline is averaged out by the windows of such a log.
     """
     if len(t) < 3:
         return theta, np.full_like(t, np.nan), np.full_like(t, np.nan), False

@@ -124,8 +124,8 @@ class Speeds:
 # over to the next batch.
 #
 # Windows are then the same whatever the size of the batches. Unevenly sampled logs are interpolated linearly
-# on an even grid, which begins anew with each batch. Rows that are missing from an even grid are filled in so,
-# and no window with one of them is used.
+# on an even grid, which begins anew with each batch. Rows that are missing from an even grid are filled in
+# linearly, too, and no window with one of them is used.
 
 
 @dataclass(frozen=True)
