@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from eccentric.rigs import Alignment, read_rig
-from eccentric.signals import Channels, read_channels
+from eccentric.signals import Channels, fit_rows, read_channels
 from tests.logged import (
     MAPPED,
     PHASE,
@@ -162,6 +162,30 @@ def test_a_row_that_is_missing_is_an_uneven_step_and_a_blank_one_is_told_as_that
         said = [w for w in channels_of(tmp_path, log).intake.warnings if "uneven" in w or "no number" in w]
         assert len(expected) == len(said)
         assert all(words in line for words, line in zip(expected, said, strict=True))
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_missing_rows_change_nothing_far_from_them(count: int, tmp_path: Path) -> None:
+    """Cells that are blank, or rows left out, of an encoder's log: 1 s away all signals are the same."""
+    steps = np.round(STANDARD["theta_m_rad"] * 4096.0 / (2.0 * math.pi)) * (2.0 * math.pi / 4096.0)
+    log = STANDARD | {"time_s": np.round(T + 3.0, 4), "theta_m_rad": steps}
+    blank = log | {"current_A": log["current_A"].copy()}
+    blank["current_A"][1500 : 1500 + count] = np.nan
+    rows = np.delete(np.arange(len(T)), slice(1500, 1500 + count))
+    far = np.abs(rows - 1500) > RATE
+    whole = channels_of(tmp_path, log)
+
+    for damaged in (blank, {name: x[rows] for name, x in log.items()}):
+        c = channels_of(tmp_path, damaged)
+        assert np.max(c.time.segment) == 0
+        for name, close in (("theta_m", 1e-3), ("omega_m", 0.1), ("alpha_m", 10.0)):
+            expected, found = getattr(whole.motion, name)[rows], getattr(c.motion, name)
+            np.testing.assert_allclose(found[far], expected[far], rtol=0.0, atol=1e-9)
+            np.testing.assert_allclose(found, expected, rtol=0.0, atol=close)
+        smooth = whole.smooth(log["current_A"])[rows]
+        np.testing.assert_allclose(c.smooth(log["current_A"][rows])[far], smooth[far], rtol=0.0, atol=1e-9)
+        np.testing.assert_allclose(c.smooth(log["current_A"][rows]), smooth, rtol=0.0, atol=1e-3)
+        np.testing.assert_array_equal(fit_rows(c, c.rig).weights[far], 1.0)
 
 
 def test_the_default_moving_threshold_is_no_warning(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from eccentric.core import InputError
 from eccentric.fleet.sums.columns import Columns, dependent, solve
-from eccentric.fleet.sums.of_file import FileSums, _Left, any_in, means, rates, sums_of
+from eccentric.fleet.sums.of_file import FileSums, _Left, any_in, means, pieces, rates, sums_of
 from eccentric.identification import merged, triangles
 from eccentric.logs import Log
 from eccentric.rigs import Rig
@@ -113,10 +113,10 @@ def test_intervals_hold_for_noise_that_lasts() -> None:
 
 @pytest.mark.parametrize("rows", [997, 3000])
 def test_sums_do_not_depend_on_the_size_of_a_batch(rows: int, tmp_path: Path) -> None:
-    """Of a log with a gap and an angle that wraps at every turn, read whole and in small parts, to 1e-9."""
+    """Of a log that wraps at every turn, lacks a row and has a gap, read whole and in parts, to 1e-9."""
     joint, log = swung()
     log["theta_m_rad"] = np.mod(log["theta_m_rad"], 2.0 * np.pi)
-    kept = np.r_[0:3333, 3600 : len(log["time_s"])]
+    kept = np.r_[0:2000, 2001:3333, 3600 : len(log["time_s"])]
     path = write_log(tmp_path / "log.parquet", {k: x[kept] for k, x in log.items()}, group=500)
     columns = Columns(rig_of(joint))
 
@@ -125,6 +125,21 @@ def test_sums_do_not_depend_on_the_size_of_a_batch(rows: int, tmp_path: Path) ->
     assert whole.windows.tolist() == parts.windows.tolist()
     np.testing.assert_allclose(merged(parts.triangles), merged(whole.triangles), rtol=1e-9, atol=1e-9)
     assert whole.coverage.seconds == pytest.approx(parts.coverage.seconds)
+
+
+def test_a_missing_row_is_filled_in_and_not_wanted(tmp_path: Path) -> None:
+    """The others keep their values, and their place on the grid."""
+    joint, log = swung()
+    rig, rows = rig_of(joint), len(log["time_s"])
+    left_out = {name: np.delete(x, 2000) for name, x in log.items()}
+
+    (whole,) = pieces(write_log(tmp_path / "whole.parquet", log), rig, rows)
+    (found,) = pieces(write_log(tmp_path / "log.parquet", left_out), rig, rows)
+
+    kept = np.delete(np.arange(rows), 2000)
+    np.testing.assert_allclose(found.theta[kept], whole.theta[kept], rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(found.drive[kept], whole.drive[kept], rtol=0.0, atol=1e-9)
+    assert np.flatnonzero(found.wanted != whole.wanted).tolist() == [2000]
 
 
 @pytest.mark.parametrize("idle_s", [2.0, 1500.0])

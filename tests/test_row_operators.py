@@ -14,7 +14,7 @@ from scipy.integrate import quad
 from eccentric.core import InputError
 from eccentric.diagnosis.search import balances
 from eccentric.signals import Rows, hann_windows, low_pass_of, white_noise
-from eccentric.signals.filters import is_even
+from eccentric.signals.filters import is_even, places_of
 from eccentric.signals.limits import BLOCK_S
 from eccentric.signals.rows import in_order
 from eccentric.signals.sampling import windows_by_parts
@@ -274,3 +274,29 @@ def test_time_stamps_are_even_within_a_tenth_of_a_step(off: float, expected: boo
     t[500] += off
 
     assert expected == is_even(t)
+
+
+@pytest.mark.parametrize(("off", "on_grid"), [(0.3e-3, True), (0.6e-3, False)])
+def test_stamps_may_lack_rows_of_their_grid(off: float, on_grid: bool) -> None:
+    """Of a thousand rows at 250 Hz one is missing, then three: places are known if stamps are on a grid."""
+    kept = np.delete(np.arange(1000), [100, 400, 401, 402])
+    t = 3.0 + 0.004 * kept.astype(float)
+    t[700] += off
+
+    found = places_of(t)
+
+    assert on_grid == (found is not None)
+    if found is not None:
+        np.testing.assert_array_equal(found, kept)
+
+
+def test_a_low_pass_fills_missing_rows_in() -> None:
+    """A signal without two of its rows is filtered as if they were on the line between those beside."""
+    kept = np.delete(np.arange(400), [150, 151])
+    x = np.random.default_rng(3).standard_normal((400, 2))
+    x[150:152] = x[149] + np.outer([1.0, 2.0], x[152] - x[149]) / 3.0
+
+    found = low_pass_of(0.004 * kept.astype(float), np.zeros(len(kept), np.int64), 15.0)(x[kept])
+
+    expected = signal.filtfilt(*signal.butter(2, 15.0, fs=250.0), x, axis=0)
+    np.testing.assert_allclose(found, expected[kept], rtol=1e-9, atol=1e-9)

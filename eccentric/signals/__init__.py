@@ -8,7 +8,7 @@ May import: `logs`, `rigs`; `model` for what a rig declares, by the general deri
 from eccentric.signals.channels import read_channels
 from eccentric.signals.clock import Finding, far_from_others, with_doubts
 from eccentric.signals.converted import stream_columns
-from eccentric.signals.filters import is_even, low_pass_of, motion_of, rows_of_each, stretches
+from eccentric.signals.filters import low_pass_of, motion_of, places_of, rows_of_each, stretches
 from eccentric.signals.joints import read_joints
 from eccentric.signals.limits import FIT_POINTS, LEAST_HELD_OUT, MANY_RUNS, UNEVEN_STEP
 from eccentric.signals.long_log import read_long, read_long_joints

@@ -122,10 +122,12 @@ class LowPass:
         together: stretches of one length and sampling rate, filtered at once: the first row of each, the
             length, the rate [Hz]; rows of a stretch that is too coarse or too short stay as they are.
         cut_hz: its cut-off frequency [Hz].
+        damaged: stretches that lack rows of their even grid: the first row, the places, the rate [Hz].
     """
 
     together: tuple[tuple[NDArray[np.int64], int, float], ...]
     cut_hz: float
+    damaged: tuple[tuple[int, Integers, float], ...] = ()
 
     def __call__(self, x: Array) -> Array:
         """Return x (n,) or (n, k) after the low pass."""
@@ -138,6 +140,17 @@ class LowPass:
             passed = low_pass(out[rows], rate_hz, self.cut_hz)
             if passed is not None:
                 out[rows] = passed
+        for first, places, rate_hz in self.damaged:
+            rows = slice(first, first + len(places))
+            grid = np.arange(places[-1] + 1)
+            before = np.minimum(np.searchsorted(places, grid, side="right"), len(places) - 1) - 1
+            share = (grid - places[before]) / np.diff(places)[before]
+            fill = share.reshape(-1, *[1] * (out.ndim - 1))
+            passed = low_pass(
+                (1.0 - fill) * out[rows][before] + fill * out[rows][before + 1], rate_hz, self.cut_hz
+            )
+            if passed is not None:
+                out[rows] = passed[places]
         return out
 
 
@@ -147,6 +160,7 @@ def low_pass_of(t: Array, segment: NDArray[np.int64], cut_hz: float, *, alike: b
     With `alike`, as for the windows of one log, sampling rates that differ by rounding are one.
     """
     together: dict[tuple[int, float], list[int]] = {}
+    damaged: list[tuple[int, Integers, float]] = []
     first_rate = 0.0
     for rows in rows_of_each(segment):
         if len(rows) > limits.LEAST_FILTERED:
@@ -154,10 +168,13 @@ def low_pass_of(t: Array, segment: NDArray[np.int64], cut_hz: float, *, alike: b
             first_rate = first_rate or rate
             if alike and abs(rate - first_rate) < limits.ROUNDED_RATE * rate:
                 rate = first_rate
-            together.setdefault((len(rows), rate), []).append(int(rows[0]))
-    return LowPass(
-        tuple((np.array(firsts), length, rate) for (length, rate), firsts in together.items()), cut_hz
-    )
+            places = places_of(t[rows])
+            if places is not None and places[-1] >= len(rows):
+                damaged.append((int(rows[0]), places, rate))
+            else:
+                together.setdefault((len(rows), rate), []).append(int(rows[0]))
+    whole = tuple((np.array(firsts), length, rate) for (length, rate), firsts in together.items())
+    return LowPass(whole, cut_hz, tuple(damaged))
 
 
 def is_even(t: Array) -> bool:
@@ -166,22 +183,40 @@ def is_even(t: Array) -> bool:
     return len(t) < 3 or float(np.max(np.abs(t - grid))) <= limits.JITTER * (t[-1] - t[0]) / (len(t) - 1)
 
 
+def places_of(t: Array) -> Integers | None:
+    """Return the places (n,) of time stamps t [s] (n,) on an even grid, of which rows may be missing.
+
+    None if the stamps are on no such grid, up to rounding.
+    """
+    if is_even(t):
+        return np.arange(len(t))
+    steps = np.diff(t)
+    places = np.concatenate([[0], np.cumsum(np.round(steps / np.median(steps)).astype(np.int64))])
+    grid = np.linspace(t[0], t[-1], int(places[-1]) + 1)
+    off = float(np.max(np.abs(t - grid[places])))
+    on_grid = np.all(np.diff(places) > 0) and off <= limits.JITTER * (t[-1] - t[0]) / places[-1]
+    return places if on_grid else None
+
+
 def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, bool]:
     """Return angle [rad], velocity [rad/s], acceleration [rad/s^2] of one stretch (n,), and if low-passed.
 
-    Unevenly sampled angles are interpolated linearly on a grid of the median step, filtered and
-    differentiated there, and interpolated back to the rows. If a log is too coarse for the low-pass filter, a
-    quintic spline through the raw angle is differentiated: differences over such coarse steps would lose part
-    of the acceleration, and the additional noise of the spline is averaged out by the windows of such a log.
+    Rows that are missing from an even grid are filled in by a cubic spline through the others. Angles on no
+    such grid are interpolated linearly on one of the median step, filtered and differentiated there, and
+    interpolated back to the rows. If a log is too coarse for the low-pass filter, a quintic spline through
+    the raw angle is differentiated: differences over such coarse steps would lose part of the acceleration,
+    and the additional noise of the spline is averaged out by the windows of such a log.
     """
     if len(t) < 3:
         return theta, np.full_like(t, np.nan), np.full_like(t, np.nan), False
-    step = float(np.median(np.diff(t)))
-    even = is_even(t)
-    count = len(t) if even else int(np.ceil((t[-1] - t[0]) / step)) + 1
+    places = places_of(t)
+    if places is None:
+        count = int(np.ceil((t[-1] - t[0]) / float(np.median(np.diff(t))))) + 1
+    else:
+        count = int(places[-1]) + 1
     grid = np.linspace(t[0], t[-1], count)
     step = (t[-1] - t[0]) / (count - 1)
-    raw = theta if even else np.interp(grid, t, theta)
+    raw = np.interp(grid, t, theta) if places is None else _filled(places, theta)
     angle = low_pass(raw, 1.0 / step, cut_hz)
     if angle is None:
         spline = make_interp_spline(t, theta, k=min(5, (len(t) - 2) // 2 * 2 + 1))
@@ -190,9 +225,21 @@ def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, 
     # 12 % at a tenth, where the other side of the balance keeps it; a quintic spline takes 0.02 % there.
     spline = make_interp_spline(grid, angle, k=5)
     velocity, acceleration = spline(grid, nu=1), spline(grid, nu=2)
-    if not even:
+    if places is None:
         angle, velocity, acceleration = (np.interp(t, grid, x) for x in (angle, velocity, acceleration))
+    elif len(t) < count:
+        angle, velocity, acceleration = angle[places], velocity[places], acceleration[places]
     return angle, velocity, acceleration, True
+
+
+def _filled(places: Integers, x: Array) -> Array:
+    """A signal (n,) at these places on its grid (m,), by a cubic spline where rows are missing."""
+    count = int(places[-1]) + 1
+    if count == len(x):
+        return x
+    filled = np.asarray(make_interp_spline(places, x, k=3)(np.arange(count)))
+    filled[places] = x
+    return filled
 
 
 def motion_of(

@@ -387,10 +387,12 @@ def uneven(table: Table, axis: AxisKind) -> list[str]:
     odd = int(np.count_nonzero(np.abs(steps / usual - 1.0) > limits.UNEVEN_STEP))
     if not odd:  # a clock that drifts against the grid
         return []
+    on_grid = all(filters.places_of(t[rows]) is not None for rows in rows_of_each(piece))
+    angle = axis.term("angle")
+    how = f"{angle} of missing rows is interpolated" if on_grid else f"{angle} is interpolated linearly"
     text = (
         f"time steps are uneven ({odd} of {len(steps)} differ by more than"
-        f" {100 * limits.UNEVEN_STEP:.0f} % from the usual {usual:.4g} s): for filtering, the"
-        f" {axis.term('angle')} is interpolated linearly"
+        f" {100 * limits.UNEVEN_STEP:.0f} % from the usual {usual:.4g} s): for filtering, the {how}"
     )
     return [text]
 

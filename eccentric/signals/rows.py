@@ -20,7 +20,7 @@ from scipy.sparse import csr_array, vstack
 
 from eccentric.core import InputError
 from eccentric.signals import limits
-from eccentric.signals.filters import is_even, rows_of_each, stretches
+from eccentric.signals.filters import places_of, rows_of_each, stretches
 from eccentric.signals.measured import Channels
 
 if TYPE_CHECKING:
@@ -304,9 +304,8 @@ def at_the_times(x: Array, kind: str, t: Array, segment: Integers) -> Array:
     for rows in rows_of_each(segment):
         if len(rows) > 1:
             before, c, after = np.r_[x[rows[0]], x[rows[:-1]]], x[rows], np.r_[x[rows[1:]], x[rows[-1]]]
-            steps = np.diff(t[rows])
-            if is_even(t[rows]):
-                steps = np.ones_like(steps)
+            places = places_of(t[rows])
+            steps = np.diff(t[rows] if places is None else places.astype(float))
             own, last = np.r_[steps, steps[-1]], np.r_[steps[0], steps]
             if kind == "mean":
                 # A mean lies half of its own row away from the time: the shorter row says more of it.

@@ -329,11 +329,12 @@ def _samples(channels: Channels, rig: Rig) -> Rows:
 def _durations(t: Array, segment: Integers, step: float) -> Array:
     """Return the time between the midpoints to the previous and the next row, in median steps."""
     same = np.diff(segment) == 0
-    gaps = np.where(same, np.diff(t), step)
-    durations = (np.concatenate([[step], gaps]) + np.concatenate([gaps, [step]])) / (2.0 * step)
-    # Rounded stamps are not uneven sampling.
-    even = bool(np.all(np.abs(gaps / step - 1.0) < limits.UNEVEN_STEP))
-    return np.ones_like(t) if even else durations
+    gaps = np.where(same, np.diff(t), step) / step
+    # Rounded stamps are not uneven sampling, and a missing row is no more than that.
+    whole = np.round(gaps)
+    if np.all(np.abs(gaps - whole) < limits.UNEVEN_STEP) and np.all(whole > 0.0):
+        gaps = whole
+    return (np.concatenate([[1.0], gaps]) + np.concatenate([gaps, [1.0]])) / 2.0
 
 
 def _by_parts(channels: Channels) -> Rows:

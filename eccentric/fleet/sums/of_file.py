@@ -30,8 +30,8 @@ from eccentric.logs import stream_log
 from eccentric.rigs import Rig
 from eccentric.signals import (
     Table,
-    is_even,
     of_the_motor,
+    places_of,
     read_table,
     rows_of_each,
     stream_columns,
@@ -124,7 +124,8 @@ class Speeds:
 # over to the next batch.
 #
 # Windows are then the same whatever the size of the batches. Unevenly sampled logs are interpolated linearly
-# on an even grid, which begins anew with each batch.
+# on an even grid, which begins anew with each batch. Rows that are missing from an even grid are filled in
+# linearly, too, and no window with one of them is used.
 
 
 @dataclass(frozen=True)
@@ -171,8 +172,11 @@ def pieces(path: Path, rig: Rig, rows: int) -> Iterator[Piece]:
             if piece is not None:
                 yield piece
             if stretch is each[-1]:
-                done = 0 if piece is None else max(len(piece.theta) // piece.share - SHARES + 1, 0)
-                first = stretch[0] + (0 if piece is None else done * piece.share)
+                first = stretch[0]
+                if piece is not None:
+                    done = max(len(piece.theta) // piece.share - SHARES + 1, 0)
+                    t = table.channels["time"][stretch]
+                    first += np.searchsorted(t, t[0] + (done * piece.share - 0.5) * piece.step)
                 carried = _Left.of(extended, float(theta[first]), int(first))
 
 
@@ -224,16 +228,20 @@ def _piece(
         return None
     part = slice(int(rows[0]), int(rows[-1]) + 1)
     t = table.channels["time"][part]
-    step = float((t[-1] - t[0]) / (len(t) - 1))
+    places = places_of(t)
+    count = len(t) if places is None else int(places[-1]) + 1
+    step = float((t[-1] - t[0]) / (count - 1))
     name, drive = _drive(table.channels, rig)
     wanted = table.use[part] & ~table.motor_off[part]
     signals = {"theta": theta[part], "drive": drive[part]}
     if "temperature" in table.channels:
         signals["temperature"] = table.channels["temperature"][part]
-    if not is_even(t):
-        grid = t[0] + step * np.arange(len(t))
+    if places is None or count > len(t):
+        grid = t[0] + step * np.arange(count)
         signals = {key: np.interp(grid, t, x) for key, x in signals.items()}
         wanted = np.interp(grid, t, wanted.astype(float)) == 1.0
+        if places is not None:
+            wanted &= np.isin(np.arange(count), places)
     return Piece(
         signals["theta"],
         signals["drive"],

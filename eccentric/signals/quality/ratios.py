@@ -36,7 +36,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Means:
-    """Means of blocks, each (m,): motion at the motor, link angle [rad] if mu is known, drives as logged."""
+    """Means of blocks, each (m,): motion at the motor, drives as logged.
+
+    `link` is the angle of the link [rad] in the rows of each block (m, k), None if mu is unknown: a fast link
+    turns far in a block, of which the mean of the sine is not the sine of the mean.
+    """
 
     alpha: Array
     omega: Array
@@ -92,7 +96,7 @@ def means_of(c: Channels, rig: Rig, *, moving: bool = True) -> Means | None:
     return Means(
         np.mean(motion.alpha_m[index], axis=1),
         np.mean(motion.omega_m[index], axis=1),
-        None if mu is None else mu * np.mean(motion.theta_m[index], axis=1),
+        None if mu is None else mu * motion.theta_m[index],
         {name: np.mean(x[index], axis=1) for name, x in found.items() if x is not None},
         index.size,
     )
@@ -126,8 +130,8 @@ def friction_of(m: Means) -> list[Array]:
 
 
 def body_of(m: Means, x: Array, link: Array | None) -> RigidBody:
-    """Return what a drive x (m,) says about the rig, with the link angle (m,) [rad] if it is known."""
-    gravity = [] if link is None else [np.sin(link), np.cos(link)]
+    """Return what a drive x (m,) says about the rig, with the link angle (m, k) [rad] if it is known."""
+    gravity = [] if link is None else [np.mean(f(link), axis=1) for f in (np.sin, np.cos)]
     columns = [m.alpha, *friction_of(m), *gravity]
     a, covariance, explained = regressed(columns, x)
     power = np.array([np.mean(m.omega**2), np.mean(np.abs(m.omega))])
