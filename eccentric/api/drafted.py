@@ -307,7 +307,11 @@ _TYPICAL = {
     "k_i": "0.05 N m/A",
     "k_e": "0.05 V s/rad",
 }
-_NONE_OF = {"M": ' ("0 kg" for a bare motor)', "L": ' ("0 m" for a bare motor)'}
+_INSTEAD = {
+    "M": ' ("0 kg" for a bare motor)',
+    "L": ' ("0 m" for a bare motor)',
+    "M_l": ', or a range: [unknown] M_l = ["0 kg", "0.5 kg"]',
+}
 
 
 def _tried(
@@ -335,7 +339,7 @@ def _tried(
             if not any(one.table == "known" and one.key in keys for one in complaints):
                 missing.append(
                     f"{rig.path}: expected [known] {here}, as in"
-                    f' {here} = "{axis.unit(_TYPICAL[letter])}"{_NONE_OF.get(letter, "")}, got none'
+                    f' {here} = "{axis.unit(_TYPICAL[letter])}"{_INSTEAD.get(letter, "")}, got none'
                 )
             filled = True
             given = {**given, "known": {**given.get("known", {}), here: axis.unit(_TYPICAL[letter])}}
