@@ -97,7 +97,8 @@ def test_defaults(tmp_path: Path) -> None:
     assert rig.known["g"] == 9.81
     assert rig.sampling.low_pass_hz == 25.0
     assert rig.alignment == Alignment(0.0, 0.0, 0.0)
-    assert rig.estimate == frozenset()
+    assert rig.estimate == rig.aligned == frozenset()
+    assert read_rig(written(tmp_path, f"theta_zero_rad = 0\n{MINIMAL}")).aligned == {"theta_zero_rad"}
     assert rig.log.columns is rig.log.drive is rig.sampling.moving_threshold_rad_s is None
     assert rig.warnings == ()
 
