@@ -68,6 +68,7 @@ class RigDraft(ResultBase):
         proposals: the channels; `left_out`: column -> why it is no channel.
         doubts: uncertain choices, one line each.
         questions: values to fill in, since no log shows them; a fit requires those in `needed`.
+        ranged: constants that have a range, for which the value of a data sheet is better.
     """
 
     text: str
@@ -75,6 +76,7 @@ class RigDraft(ResultBase):
     left_out: Mapping[str, str]
     doubts: tuple[str, ...]
     questions: tuple[RigLine, ...]
+    ranged: tuple[str, ...] = ()
 
     @property
     def needed(self) -> tuple[str, ...]:
@@ -98,6 +100,7 @@ class RigDraft(ResultBase):
         rows += [f"  left out: {columns}, {why}" for columns, why in folded(self.left_out)]
         rows += [f"check: {doubt}" for doubt in self.doubts]
         more = f"; to diagnose also {', '.join(self.needed_to_diagnose)}" if self.needed_to_diagnose else ""
+        more += f"; better also: {', '.join(self.ranged)}" if self.ranged else ""
         return "\n".join([*rows, f"still to fill in: {', '.join(self.needed) or 'nothing'}{more}"])
 
     def table(self) -> ResultTable:
@@ -209,7 +212,8 @@ def draft_rig(
     if rate_hz is not None:
         draft = _without_time(draft, rate_hz)
     proposals = tuple(replace(p, channel=draft.axis.named(p.channel)) for p in draft.proposals)
-    return RigDraft(toml_of(draft, title), proposals, draft.left_out, draft.doubts, draft.questions)
+    ranged = tuple(e.key for e in draft.entries if e.table == "unknown" and e.key == "k_i")
+    return RigDraft(toml_of(draft, title), proposals, draft.left_out, draft.doubts, draft.questions, ranged)
 
 
 def _without_time(draft: Draft, rate_hz: float) -> Draft:
