@@ -1,7 +1,7 @@
 """Friction models for drives that swing an unbalanced mass: derive, emit, fit, diagnose.
 
     read_log, read_rig    a file or a table in memory; a file or a mapping     -> Log, Rig
-    describe_log          a file: its format, columns and time                  -> LogDescription
+    describe_log          a log: its format, columns and time                   -> LogDescription
     draft_rig, check_rig  logs -> RigDraft; logs, rig -> RigCheck: all problems at once
     fit                   logs, rig -> FitResult: estimates with uncertainty, held-out error
     diagnose              logs, rig -> DiagnosisResult: the missing effects, and the extended model

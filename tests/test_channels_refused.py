@@ -66,10 +66,15 @@ BAD = {
         RIG + MAPPED + 'current = "amps"\n',
         "expected column 'amps', but the log has time_s",
     ),
+    "column with its unit": (
+        changed(),
+        RIG + MAPPED + 'current = "Current (A)"\n',
+        "expected column 'Current (A)', but the log has time_s",
+    ),
     "arithmetic": (
         changed(),
         RIG + MAPPED + 'current = "current_A ** 2"\n',
-        "[columns] current: 'current_A ** 2'",
+        "[columns] current: expected a column of the log, or arithmetic",
     ),
     "condition": (changed(), RIG + MAPPED + 'current = "current_A > 2"\n', "current: expected a number"),
     "text": (

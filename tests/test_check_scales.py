@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import functools
+import re
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from types import SimpleNamespace
@@ -216,3 +218,15 @@ def test_a_missing_mass_may_be_that_of_a_bare_motor(letter: str) -> None:
     (line,) = eccentric.check_rig(log, {**rig, "known": known}).complaints
     assert f"expected [known] {letter}, as in {letter} = " in line
     assert "for a bare motor)" in line
+
+
+def test_a_missing_link_mass_may_be_a_range() -> None:
+    """The range that the message offers is enough for a check and for a fit."""
+    log, rig = bench("C2")
+    known = {key: x for key, x in rig["known"].items() if key != "M_l_kg"}
+    (line,) = eccentric.check_rig(log, {**rig, "known": known}).complaints
+    offered = re.search(r"or a range: (\[unknown\]) (M_l = .*), got none$", line)
+    assert offered
+    ranged = {**rig, "known": known} | tomllib.loads("\n".join(offered.groups()))
+    assert not eccentric.check_rig(log, ranged).complaints
+    assert "M_l" in eccentric.fit(log, ranged).parameters

@@ -24,7 +24,9 @@ def test_a_draft_is_written_and_what_it_lacks_is_listed(
     out = tmp_path / "rig.toml"
 
     assert 0 == cli.main(["rig", LOG, "--out", str(out)])
-    assert "still to fill in: M, L, M_l" in capsys.readouterr().out
+    assert (
+        "still to fill in: M, L, M_l; to diagnose also R, k_e; better also: k_i\n" in capsys.readouterr().out
+    )
     assert "theta_m_rad" == tomllib.loads(out.read_text(encoding="utf-8"))["columns"]["theta_m"]
     assert 1 == cli.main(["rig", LOG, "--check", str(out)])
     assert 3 == len(capsys.readouterr().out.splitlines())

@@ -14,6 +14,7 @@ from eccentric.cli import diagnose as command
 from eccentric.cli import main
 from eccentric.diagnosis import Diagnosis, script
 from eccentric.presentation.html import report_data
+from eccentric.presentation.html.gather import facts_of
 from tests.page_reader import Reader
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -89,6 +90,16 @@ def test_the_record_says_what_the_diagnosis_found(found: Diagnosis) -> None:
         "time",
     } == {channel.key for channel in mechanical.rows.channels}
     assert shlex.split(data.source.command)[:4] == ["eccentric", "diagnose", "bench.csv.gz", "--rig"]
+
+
+def test_the_report_says_where_a_zero_angle_is_from(found: Diagnosis) -> None:
+    """A 0 of the rig file is not that of a rig file without one."""
+    for keys, origin in (({"theta_zero_rad"}, "from the rig file"), ((), "by default")):
+        channels = replace(found.channels, rig=replace(found.rig, aligned=frozenset(keys)))
+        drive = replace(found.data.drive, channels=channels)
+        facts = facts_of(replace(found, data=replace(found.data, drive=drive)))
+        zero = next(fact for fact in facts if fact.name == "zero angle")
+        assert ("0 rad", origin) == (zero.value, zero.remark)
 
 
 def test_open_opens_the_report(

@@ -97,7 +97,8 @@ def test_defaults(tmp_path: Path) -> None:
     assert rig.known["g"] == 9.81
     assert rig.sampling.low_pass_hz == 25.0
     assert rig.alignment == Alignment(0.0, 0.0, 0.0)
-    assert rig.estimate == frozenset()
+    assert rig.estimate == rig.aligned == frozenset()
+    assert read_rig(written(tmp_path, f"theta_zero_rad = 0\n{MINIMAL}")).aligned == {"theta_zero_rad"}
     assert rig.log.columns is rig.log.drive is rig.sampling.moving_threshold_rad_s is None
     assert rig.warnings == ()
 
@@ -261,6 +262,9 @@ BAD = {
     'gear = "none"\n[known]\ncase = "C2"\nmu = "1/5"': "gear: expected a gear with mu = 0.2, got",
     "[known\n": "rig.toml: not valid TOML: ",
     "\nname = bench\n": 'rig.toml: expected a text in quotes, name = "bench", got',
+    C2 + "mu = 1\nmu = 2\n": "rig.toml: expected each key and table only once, got 'mu = 2' again in line 4",
+    "gear = 1\ngear = 2": "got 'gear = 2' again in line 2",
+    "[known]\n[unknown]\n[known]\n": "got '[known]' again in line 3",
     "\nname = bench x\n": "rig.toml: not valid TOML: Invalid value (at line 2, column 8)",
     **{C2 + below: said for below, said in BAD_BELOW.items()},
     **{f"{above}\n{C2}": said for above, said in BAD_ABOVE.items()},

@@ -221,7 +221,10 @@ def test_an_average_longer_than_all_motion_asks_for_a_longer_log(tmp_path: Path)
     (tmp_path / "rig.toml").write_text("\n".join(kept), encoding="utf-8")
     channels = read_channels([short], read_rig(tmp_path / "rig.toml"))
 
-    with pytest.raises(InputError, match=r"too little motion .* over 5 s is whole; record a longer log$"):
+    needed = r"of \d+ rows to fit, \d+ move .*, and an average takes 1250 in a row: record a longer log$"
+    with pytest.raises(
+        InputError, match=rf"^table: expected .* averages over 5 s to fit, got none: {needed}"
+    ):
         rows_of(channels, channels.rig)
 
 

@@ -343,6 +343,21 @@ def test_the_doctor_says_what_a_file_is(tmp_path: Path, capsys: pytest.CaptureFi
     assert "\nexpected a log with rows" in shown
 
 
+def test_a_table_in_memory_is_described_as_a_file_is(tmp_path: Path) -> None:
+    """A table of arrays, a Log and the file have the same columns and clock; only the format differs."""
+    table = {"t_s": 0.01 * np.arange(50), "x": np.arange(50.0) % 7}
+    path = tmp_path / "log.csv"
+    np.savetxt(path, np.column_stack(list(table.values())), delimiter=",", header="t_s,x", comments="")
+    in_file, read, here = (eccentric.describe_log(x) for x in (path, eccentric.read_log(path), table))
+
+    assert ("t_s", "s", pytest.approx(100.0)) == here.clock == read.clock == in_file.clock
+    assert in_file.table() == read.table() == here.table()
+    assert ("in memory", "in memory") == (read.format, here.format)
+    assert here.summary().startswith("table: in memory\n  50 rows, 2 columns")
+    with pytest.raises(InputError, match="expected a path or a table"):
+        eccentric.describe_log(3)  # type: ignore[arg-type]
+
+
 def test_another_date_is_the_next_day(read: Callable[..., Log]) -> None:
     """Times that go on a day later are a day later; an hour above 23 is no time of day."""
     lines = ["01.02.2024 10:00:00", "01.02.2024 10:00:01", "02.02.2024 10:00:02", "02.02.2024 10:00:03"]

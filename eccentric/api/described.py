@@ -5,25 +5,26 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from eccentric.api.result import ResultBase
 from eccentric.api.tables import ResultTable
-from eccentric.core import InputError, counted, given_path
+from eccentric.core import InputError, counted
 from eccentric.drafting import clock_in
-from eccentric.logs import Log, format_of, read_log
+from eccentric.logs import Log, LogSource, format_of, read_log
 
 _MOST_COLUMNS = 40
 
 
 @dataclass(frozen=True, repr=False)
 class LogDescription(ResultBase):
-    """What a log file contains, and how it was read.
+    """What a log contains, and how it was read.
 
     Attributes:
-        path: of its file.
-        format: what kind of file it is.
+        path: of its file; "table" for a table in memory.
+        format: what kind of file it is; "in memory" for none.
         rows: how many it has.
         numbers: numeric column -> its unit if the file states it, smallest and largest value, number of
             missing values.
@@ -76,18 +77,21 @@ class LogDescription(ResultBase):
         yield from (f"  {note}" for note in self.notes)
 
 
-def describe_log(path: str | os.PathLike[str]) -> LogDescription:
-    """Describe a log file: its format, columns and time, without a rig.
+def describe_log(source: LogSource) -> LogDescription:
+    """Describe a log: its format, columns and time, without a rig.
+
+    Args:
+        source: a file, a table in memory or a Log, as `read_log` accepts it.
 
     Raises:
         InputError: it cannot be read as a log; the message says why.
     """
-    log = read_log(path)
+    log = read_log(source)
     numbers = {name: log.numbers(name) for name, x in log.columns.items() if x.dtype.kind == "f"}
     texts = {name: len(np.unique(x)) for name, x in log.columns.items() if x.dtype.kind != "f"}
     clock, doubt = _clock(log)
     found = {name: (log.units.get(name, ""), *_span(x)) for name, x in numbers.items()}
-    kind = format_of(given_path(path, "log")).title
+    kind = format_of(Path(source)).title if isinstance(source, str | os.PathLike) else "in memory"
     return LogDescription(log.path, kind, log.rows, found, texts, clock, doubt, (*log.read_as, *log.notes))
 
 

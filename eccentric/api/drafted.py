@@ -68,6 +68,7 @@ class RigDraft(ResultBase):
         proposals: the channels; `left_out`: column -> why it is no channel.
         doubts: uncertain choices, one line each.
         questions: values to fill in, since no log shows them; a fit requires those in `needed`.
+        ranged: constants that have a range, for which the value of a data sheet is better.
     """
 
     text: str
@@ -75,6 +76,7 @@ class RigDraft(ResultBase):
     left_out: Mapping[str, str]
     doubts: tuple[str, ...]
     questions: tuple[RigLine, ...]
+    ranged: tuple[str, ...] = ()
 
     @property
     def needed(self) -> tuple[str, ...]:
@@ -98,6 +100,7 @@ class RigDraft(ResultBase):
         rows += [f"  left out: {columns}, {why}" for columns, why in folded(self.left_out)]
         rows += [f"check: {doubt}" for doubt in self.doubts]
         more = f"; to diagnose also {', '.join(self.needed_to_diagnose)}" if self.needed_to_diagnose else ""
+        more += f"; better also: {', '.join(self.ranged)}" if self.ranged else ""
         return "\n".join([*rows, f"still to fill in: {', '.join(self.needed) or 'nothing'}{more}"])
 
     def table(self) -> ResultTable:
@@ -209,7 +212,8 @@ def draft_rig(
     if rate_hz is not None:
         draft = _without_time(draft, rate_hz)
     proposals = tuple(replace(p, channel=draft.axis.named(p.channel)) for p in draft.proposals)
-    return RigDraft(toml_of(draft, title), proposals, draft.left_out, draft.doubts, draft.questions)
+    ranged = tuple(e.key for e in draft.entries if e.table == "unknown" and e.key == "k_i")
+    return RigDraft(toml_of(draft, title), proposals, draft.left_out, draft.doubts, draft.questions, ranged)
 
 
 def _without_time(draft: Draft, rate_hz: float) -> Draft:
@@ -307,7 +311,11 @@ _TYPICAL = {
     "k_i": "0.05 N m/A",
     "k_e": "0.05 V s/rad",
 }
-_NONE_OF = {"M": ' ("0 kg" for a bare motor)', "L": ' ("0 m" for a bare motor)'}
+_INSTEAD = {
+    "M": ' ("0 kg" for a bare motor)',
+    "L": ' ("0 m" for a bare motor)',
+    "M_l": ', or a range: [unknown] M_l = ["0 kg", "0.5 kg"]',
+}
 
 
 def _tried(
@@ -335,7 +343,7 @@ def _tried(
             if not any(one.table == "known" and one.key in keys for one in complaints):
                 missing.append(
                     f"{rig.path}: expected [known] {here}, as in"
-                    f' {here} = "{axis.unit(_TYPICAL[letter])}"{_NONE_OF.get(letter, "")}, got none'
+                    f' {here} = "{axis.unit(_TYPICAL[letter])}"{_INSTEAD.get(letter, "")}, got none'
                 )
             filled = True
             given = {**given, "known": {**given.get("known", {}), here: axis.unit(_TYPICAL[letter])}}

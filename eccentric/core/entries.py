@@ -34,6 +34,8 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
         raise
     except (ValueError, RecursionError) as error:
         line, place = _stopped_at(text, str(error))
+        if re.search("overwrite|twice|[Dd]uplicate", str(error)):
+            raise InputError(path, "each key and table only once", f"{line!r} again in {place}") from None
         if re.search(r"[=:]\s*[-+]?\d+,\d+\s*(?:#.*)?$", line):
             raise InputError(path, "a decimal point", f"{line!r} in {place}") from None
         if unquoted := re.match(r"(\S+)\s*=\s*([-+.\deE]+\s*[^\W\d_][^#]*?)\s*(?:#.*)?$", line):
@@ -52,8 +54,8 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
 
 def _stopped_at(text: str, error: str) -> tuple[str, str]:
     """The line where a parser stopped, and its place, "line 3"; both empty if the message names none."""
-    place = re.search(r"\bline (\d+)", error)
     lines = text.splitlines()
+    place = re.search(r"\bline (\d+)", error.replace("end of document", f"line {len(lines)}"))
     if place is None or not 0 < int(place[1]) <= len(lines):
         return "", ""
     return lines[int(place[1]) - 1].strip(), place[0]

@@ -11,7 +11,7 @@ from eccentric.core import InputError, few, meant
 from eccentric.drafting.draft import Draft
 from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.words import read_name
-from eccentric.logs import Log, evaluate, parse_unit
+from eccentric.logs import Log, evaluate, is_arithmetic, parse_unit
 from eccentric.rigs import CHANNELS, COASTING, ColumnSource, Complaint, Rig, channels_of, gain_of
 
 _SIDES = ({"theta_m", "theta_l"}, {"omega_m", "omega_l"}, {"torque", "torque_l"})
@@ -51,8 +51,7 @@ def _missing(rig: Rig, log: Log, told: Collection[Complaint]) -> Iterator[Compla
                 except InputError as error:
                     yield Complaint(str(error), "columns", called)
             continue
-        plain = text.replace("_", "").replace(" ", "").isalnum()
-        if plain:
+        if not is_arithmetic(text, log.columns):
             hint = meant(text, log.columns) or f"; the log has {few(log.columns)}"
             line = f"{rig.path}: [columns] {called}: no column {text!r} in {log.path}{hint}"
             yield Complaint(line, "columns", called)

@@ -87,7 +87,7 @@ def _known(
         known_asked("L", "0.3 m", "from the axis to the centre of that mass: measure it", needed=True),
     ]
     if gravity or balance is None:
-        why = "the link without the unbalanced mass: weigh it"
+        why = 'the link without the unbalanced mass: weigh it, or a range: [unknown] M_l = ["0 kg", "0.5 kg"]'
         entries.append(known_asked("M_l", "0.2 kg", why, needed=True))
     if "current" in kinds and not gravity:
         why = "the torque constant (data sheet): without gravity the log cannot show it"

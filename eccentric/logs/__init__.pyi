@@ -17,6 +17,7 @@ from eccentric.logs.tables import arrow_columns as arrow_columns
 from eccentric.logs.units import Unit as Unit
 from eccentric.logs.units import column_names as column_names
 from eccentric.logs.units import evaluate as evaluate
+from eccentric.logs.units import is_arithmetic as is_arithmetic
 from eccentric.logs.units import parse_unit as parse_unit
 from eccentric.logs.units import parse_value as parse_value
 from eccentric.logs.units import require_unit as require_unit

@@ -295,7 +295,7 @@ def _combine(left: Dimension, right: Dimension, power: int) -> Dimension:
 
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
 
 Value = NDArray[Any] | float
@@ -314,7 +314,24 @@ _COMPARISON: dict[type[ast.AST], Callable[[Value, Value], NDArray[Any]]] = {
     ast.Eq: np.equal,
     ast.NotEq: np.not_equal,
 }
-_ALLOWED = "+ - * / ( ), numbers, column names, comparisons, and, or, not"
+_OPERATOR = re.compile(r"[+*/<>=]|\s-\s")
+_EXPECTED = (
+    "a column of the log, or arithmetic of + - * / ( ), numbers, comparisons, and, or, not"
+    " and column names (in `backticks` if not one word)"
+)
+
+
+def is_arithmetic(text: str, columns: Iterable[str]) -> bool:
+    """Whether a text is arithmetic on columns of a log rather than the name of a column that is not there.
+
+    Arithmetic has one of the columns, a name in backticks, or an operator between parts that are allowed.
+    """
+    if "`" in text or any(re.search(rf"(?<!\w){re.escape(name)}(?!\w)", text) for name in columns):
+        return True
+    try:
+        return bool(_OPERATOR.search(text) and column_names(text, ""))
+    except InputError:
+        return False
 
 
 def column_names(text: str, where: str) -> list[str]:
@@ -365,8 +382,7 @@ def evaluate(
             case ast.BoolOp(op=op, values=values):
                 both = np.logical_and if isinstance(op, ast.And) else np.logical_or
                 return functools.reduce(both, [condition_of(side, depth) for side in values])
-        part = ast.unparse(node)
-        raise InputError(where, problem=f"{part!r} in {text!r} is not allowed; required: {_ALLOWED}")
+        raise InputError(where, _EXPECTED, f"{ast.unparse(node)!r} in {text!r}")
 
     def number_of(node: ast.AST, depth: int) -> Value:
         inner = value(node, depth + 1)
@@ -403,9 +419,7 @@ def _parse(text: str, where: str) -> tuple[ast.AST, dict[str, str]]:
     try:
         return ast.parse(plain, mode="eval").body, quoted
     except (SyntaxError, ValueError, MemoryError, RecursionError):
-        raise InputError(
-            where, problem=f"{text!r} is neither a column of the log nor arithmetic of {_ALLOWED}"
-        ) from None
+        raise InputError(where, _EXPECTED, f"{text!r}") from None
 
 
 def _finite(number: float, text: str, where: str) -> float:

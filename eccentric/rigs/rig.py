@@ -102,6 +102,7 @@ class Rig:
         holdout: the held-out part, if the rig names it.
         alignment: delay, zero angle and offset, 0 if the fit has to find them.
         estimate: names of those that the fit has to find.
+        aligned: names of those that the rig file has.
         warnings: unusual entries.
         axis: the kind of axis, which names all of these.
         added: added masses, by run or pattern of runs.
@@ -127,6 +128,7 @@ class Rig:
     controller: Controller | None = None
     per_inertia: bool = False
     parts: Parts = field(default_factory=dict)
+    aligned: frozenset[str] = frozenset()
 
     def __repr__(self) -> str:
         plane = f"case {self.case}" if self.case else "a tilted plane"
@@ -239,6 +241,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str, constants: str = "kn
         ),
         alignment=alignment,
         estimate=estimate,
+        aligned=frozenset(ALIGNMENT) & content.keys(),
         warnings=(*warnings, *(_doubts(known) if axis is TURNING else ())),
         axis=axis,
         added=read_added(content, where, known),

@@ -266,7 +266,9 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     warnings += _without_rows(channels)
     # Missing rows come before their consequences for the filters.
     warnings += [*(finding.text for finding in findings if finding.kind != "excerpt"), *doubts]
-    intake = dataclasses.replace(channels.intake, warnings=tuple(warnings), findings=findings)
+    intake = dataclasses.replace(
+        channels.intake, warnings=tuple(warnings), findings=findings, logs=tuple(paths)
+    )
     return dataclasses.replace(channels, intake=intake)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import InputError, counted, few, meant
-from eccentric.logs import Log, LogStream, evaluate
+from eccentric.logs import Log, LogStream, evaluate, is_arithmetic
 from eccentric.rigs import COASTING, ArmRig, ColumnSource, Rig, channels_of
 from eccentric.signals import limits
 
@@ -139,7 +138,8 @@ def used_columns(log: Log, rig: Rig) -> list[str]:
         return np.zeros(1)
 
     for channel, source in _sources(log, rig).items():
-        if source.text in log.columns or channel == "run" or channel.startswith(CONTROLLER):
+        named = channel == "run" or channel.startswith(CONTROLLER)
+        if named or _is_name(log, source.text):
             column(source.text)
         else:
             evaluate(source.text, column, f"{rig.path}: [columns] {rig.axis.named(channel)}")
@@ -264,7 +264,11 @@ def _condition(
 
 def numbers_of(log: Log, text: str, where: str) -> NDArray[Any]:
     """The numbers (rows,) of a column, or of arithmetic on columns; InputError that begins with `where`."""
-    return log.numbers(text) if text in log.columns else evaluate(text, log.numbers, where)
+    return log.numbers(text) if _is_name(log, text) else evaluate(text, log.numbers, where)
+
+
+def _is_name(log: Log, text: str) -> bool:
+    return text in log.columns or not is_arithmetic(text, log.columns)
 
 
 def _text(value: Any) -> str:
@@ -272,10 +276,6 @@ def _text(value: Any) -> str:
 
 
 # The columns of an arm's log: one for every joint by the patterns of the rig, and none for another joint.
-
-
-_ARITHMETIC = re.compile(r"[`+*/()<>=]|\s-\s")
-"""What a source has that is not the name of a column."""
 
 
 def require_columns(log: Log, rig: ArmRig) -> None:
@@ -294,7 +294,7 @@ def require_columns(log: Log, rig: ArmRig) -> None:
 
 def _require_all(log: Log, rig: ArmRig, channel: str, names: list[str]) -> None:
     missing = [j for j, name in enumerate(names) if name not in log.columns]
-    if not missing or (len(missing) == len(names) and _ARITHMETIC.search(names[0])):
+    if not missing or (len(missing) == len(names) and is_arithmetic(names[0], log.columns)):
         return
     j, there = missing[0], len(names) - len(missing)
     some = f", got {there} of {counted(len(names), 'joint')}" if there else ""

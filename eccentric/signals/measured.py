@@ -127,12 +127,13 @@ class Selection:
 
 @dataclass(frozen=True)
 class Intake:
-    """How many rows were read, how many rejected because they are not numbers, and what is odd about them."""
+    """Rows read of the logs (their paths), rows rejected as no numbers, and what is odd about them."""
 
     read: int
     rejected: int
     warnings: tuple[str, ...] = ()
     findings: tuple[Finding, ...] = ()
+    logs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

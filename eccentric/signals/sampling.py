@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from eccentric.core import InputError
+from eccentric.core import InputError, few
 from eccentric.rigs import Rig
 from eccentric.signals import limits
 from eccentric.signals.filters import LowPass, rows_of_each
@@ -229,22 +229,35 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
     what = "whole runs" if whole else f"averages over {_length(channels, rig):.3g} s"
     shorter = 'a time, such as "0.1 s"' if whole else "a shorter time"
     remedy = f"in {rig.path}, {shorter} as average_over gives more"
-    few = len(found["train"]) < limits.LEAST_WINDOWS or len(found["score"]) < limits.LEAST_HELD_OUT
+    scarce = len(found["train"]) < limits.LEAST_WINDOWS or len(found["score"]) < limits.LEAST_HELD_OUT
     at_least = _length(channels, rig) <= limits.LEAST_STEPS * channels.time.logged_step_s
-    if not whole and (few or at_least):
+    if not whole and (scarce or at_least):
         remedy = _half_as_long(channels, rig)
     for name, words in (("train", "to fit"), ("score", "to hold out")):
         if not len(found[name]):
             if remedy == LONGER:
-                raise InputError(
-                    rig.path,
-                    problem=f"too little motion {words}: not one of the {what} is whole; record a longer log",
-                )
+                raise _too_short(channels, rig, parts[name], what, words)
             raise InputError(
                 f"{rig.path}: average_over", f"at least one of the {what}", f"none: {remedy}", why=words
             )
     return dataclasses.replace(
         in_order(list(found.values())), description=what, smooth=_smoothing(channels, rig), remedy=remedy
+    )
+
+
+def _too_short(channels: Channels, rig: Rig, part: Mask, what: str, words: str) -> InputError:
+    """The error of a log without a whole average in a part of it (n,)."""
+    rows, move = (
+        round(np.count_nonzero(part & x) / channels.time.points_per_row)
+        for x in (True, channels.selection.usable)
+    )
+    needed = math.ceil(_length(channels, rig) / channels.time.logged_step_s)
+    return InputError(
+        few(channels.intake.logs) or rig.path,
+        f"at least one of the {what}",
+        f"none: of {rows} rows {words}, {move} move clear of reversals and ends,"
+        f" and an average takes {needed} in a row: record a longer log",
+        why=words,
     )
 
 

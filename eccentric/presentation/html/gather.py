@@ -175,7 +175,8 @@ def facts_of(found: Diagnosis) -> list[Fact]:
             return Fact(
                 name, f"{number(e.value)} {unit}", f"estimated, 95 % interval {range_of(e.interval)} {unit}"
             )
-        given = "estimated" if field in found.rig.estimate else "from the rig file" if value else "none given"
+        given = "from the rig file" if field in found.rig.aligned else "by default"
+        given = "estimated" if field in found.rig.estimate else given
         return Fact(name, f"{number(factor * value)} {unit}", given)
 
     facts = [
