@@ -50,8 +50,10 @@ from eccentric.identification import (
     Fit,
     correlation,
     following_letters,
+    inertias,
     k_e,
     own_letters,
+    with_own,
 )
 from eccentric.model import TURNING, AxisKind
 from eccentric.rigs import ALIGNMENT, COASTING, alignment_of, knowns_of
@@ -251,9 +253,7 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
                 "" if shown in (c.parameter, "J") else f"; contains all of {axis.named(shown)}"
             )
     if problem.has("inertia") and problem.drive.machine.link:
-        machine = problem.drive.machine
-        values[machine.link] = 0.0
-        notes[machine.link] = f"convention: {machine.rotor} contains all of the inertia J_m + mu^2 J_l"
+        _put_inertias(fit, values, notes)
     fields, inertia = problem.emitted.letters, problem.drive.machine.inertia_letters
     follows, placeholders = following_letters(problem.model), set()
     for name in fields:
@@ -271,6 +271,21 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
             values[name], notes[name] = 0.0, axis.text(NO_BACK_EMF)
             placeholders.add(name)
     return {name: values[name] for name in fields}, {name: notes[name] for name in fields}, placeholders
+
+
+def _put_inertias(fit: Fit, values: dict[str, float | None], notes: dict[str, str]) -> None:
+    """Split the inertia, fitted as the rotor's, into rotor and link where the rig knows one of them."""
+    problem, known = fit.problem, fit.problem.rig.known
+    machine = problem.drive.machine
+    rotor, link = machine.rotor, machine.link
+    if _torque_unit(fit) != "N m" or not {rotor, link} & set(known):
+        values[link] = 0.0
+        notes[link] = f"convention: {rotor} contains all of the inertia J_m + mu^2 J_l"
+        return
+    text = f"from {problem.rig.axis.named('J')} {notes[rotor]}"
+    parts = {**inertias(with_own(problem.rig, problem.model), machine, values[rotor] or 0.0), **known}
+    for name in (rotor, link):
+        values[name], notes[name] = parts[name], "known, from the rig" if name in known else text
 
 
 def _put_scale(fit: Fit, values: dict[str, float | None], notes: dict[str, str]) -> None:
