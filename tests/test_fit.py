@@ -34,6 +34,8 @@ from tests.planted import (
     MOTOR,
     MU,
     TORQUE,
+    L,
+    M,
     R,
     T,
     coloured,
@@ -440,3 +442,28 @@ def test_a_known_inertia_beyond_that_of_the_log_is_said(scale: str, tmp_path: Pa
 
     assert emitted_parameters(found)[0]["J_m"] == 0.0
     assert " is at its bound: [known] J_l = 0.1" in "\n".join(found.warnings)
+
+
+def test_a_link_of_unknown_inertia_is_a_point_mass(tmp_path: Path) -> None:
+    """J_l is M L^2, as in a diagnosis, and J_m the rest; in volts J_m has all of it."""
+    current = {"current_A": torque("C2", FRICTION) / K_I}
+    found = fitted(tmp_path, 'case = "C2"\n' + KNOWN + TORQUE, current)
+    values, notes, _ = emitted_parameters(found)
+    J = found.coefficients["J"].value
+
+    assert values["J_l"] == pytest.approx(M * L**2, rel=1e-12)
+    assert values["J_m"] == pytest.approx(J - MU**2 * M * L**2, rel=1e-12)
+    assert "convention: M L^2" in notes["J_l"]
+
+    level = fitted(tmp_path, 'case = "C1"\n' + KNOWN + f"J_l_kgm2 = {J_L}\n", {"voltage_V": voltage("C1")})
+    assert emitted_parameters(level)[0]["J_l"] == 0.0
+
+
+def test_less_inertia_than_a_point_mass_is_all_of_the_rotor(tmp_path: Path) -> None:
+    """No link with M at L has less than M L^2: then nothing is assigned to it."""
+    current = {"current_A": (torque("C2", FRICTION) - 0.5 * INERTIA * motion()[2]) / K_I}
+    values, notes, _ = emitted_parameters(fitted(tmp_path, 'case = "C2"\n' + KNOWN + TORQUE, current))
+
+    assert values["J_m"] == pytest.approx(0.5 * INERTIA, rel=1e-2)
+    assert values["J_l"] == 0.0
+    assert "J_m contains all" in notes["J_l"]

@@ -38,6 +38,7 @@ the interval:
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -55,7 +56,8 @@ from eccentric.identification import (
     own_letters,
     with_own,
 )
-from eccentric.model import TURNING, AxisKind
+from eccentric.model import TURNING, AxisKind, regressor
+from eccentric.model import vocabulary as v
 from eccentric.rigs import ALIGNMENT, COASTING, alignment_of, knowns_of
 from eccentric.signals import Channels
 
@@ -274,18 +276,33 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
 
 
 def _put_inertias(fit: Fit, values: dict[str, float | None], notes: dict[str, str]) -> None:
-    """Split the inertia, fitted as the rotor's, into rotor and link where the rig knows one of them."""
+    """Split the inertia, fitted as the rotor's, as `diagnose` does: by what the rig knows, else a link M L^2.
+
+    The rotor has all of it where torques are in another unit, less is found than M L^2, or friction that
+    follows J_l has been fitted without it.
+    """
     problem, known = fit.problem, fit.problem.rig.known
-    machine = problem.drive.machine
+    model, machine = problem.model, problem.drive.machine
     rotor, link = machine.rotor, machine.link
-    if _torque_unit(fit) != "N m" or not {rotor, link} & set(known):
-        values[link] = 0.0
-        notes[link] = f"convention: {rotor} contains all of the inertia J_m + mu^2 J_l"
+    values[link] = 0.0
+    notes[link] = f"convention: {rotor} contains all of the inertia J_m + mu^2 J_l"
+    declared = {rotor, link} & set(known)
+    found = {**known, **{name: e.value for name, e in fit.searched.items()}}
+    follows = {s.name for column in regressor(model) for s in model.expand(column.basis).free_symbols}
+    if (
+        _torque_unit(fit) != "N m"
+        or link in follows - set(known)
+        or not (declared or {v.M.name, v.L.name} <= set(found))
+    ):
+        return
+    rig = with_own(dataclasses.replace(problem.rig, known=found), model)
+    parts = {**inertias(rig, machine, values[rotor] or 0.0), **known}
+    if not (declared or (parts[rotor] and parts[link])):
         return
     text = f"from {problem.rig.axis.named('J')} {notes[rotor]}"
-    parts = {**inertias(with_own(problem.rig, problem.model), machine, values[rotor] or 0.0), **known}
+    words = {rotor: text, link: text if declared else "convention: M L^2, a point mass"}
     for name in (rotor, link):
-        values[name], notes[name] = parts[name], "known, from the rig" if name in known else text
+        values[name], notes[name] = parts[name], "known, from the rig" if name in known else words[name]
 
 
 def _put_scale(fit: Fit, values: dict[str, float | None], notes: dict[str, str]) -> None:
