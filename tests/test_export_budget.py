@@ -112,3 +112,17 @@ def test_a_bare_motor_has_no_pendulum() -> None:
 
     assert "c1_perpendicular.xml, which requires J_l: declare it" in export_lines(of, found)[-1]
     assert "c1_perpendicular_budget.py" in found.files
+
+
+@pytest.mark.parametrize(
+    ("values", "mend"),
+    [
+        ({"J_m": 1e-4}, "give it with --parameters"),
+        ({"J_m": 1e-4, "J_l": 0.0}, "declare it in the rig and fit again"),
+    ],
+)
+def test_what_mends_a_missing_inertia(values: dict[str, float], mend: str) -> None:
+    """--parameters for a model without one; the rig for a fit, beside which --parameters is refused."""
+    of = drive("c2_parallel", values)
+
+    assert export_lines(of, export(of, "budget"))[-1].endswith(f"which requires J_l: {mend}")

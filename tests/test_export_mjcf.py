@@ -174,5 +174,18 @@ def test_a_quotient_of_typed_numbers_is_typed_again(value: float, text: str) -> 
 
 def test_an_inertia_that_no_such_body_has() -> None:
     """J_l is about the axis, M L^2 included: less than that of the masses alone is refused."""
-    with pytest.raises(Exception, match=r"J_l: expected more than 0\.02778 kg m"):
+    with pytest.raises(Exception, match=r"J_l: expected at least 0\.02778"):
         export(drive("c2_parallel", BENCH, J_l=0.02), "mjcf")
+
+
+@pytest.mark.parametrize("rounding", [-1e-12, 0.0, 1e-12])
+def test_a_point_mass_swings_as_one(rounding: float) -> None:
+    """J_l = M L^2, within rounding, is legal although engines require an inertia about the centre of mass."""
+    J_l = BENCH["M"] * BENCH["L"] ** 2 * (1.0 + rounding)
+    of = drive("c2_parallel", BENCH, M_l=0.0, J_l=J_l)
+    model, data = loaded(of)
+    mujoco.mj_forward(model, data)
+    inertia = np.zeros((1, 1))
+    mujoco.mj_fullM(model, data, inertia)
+
+    assert inertia[0, 0] == pytest.approx(J_l + of.p.J_m / of.p.mu**2, rel=1e-9)

@@ -25,6 +25,7 @@ from tests.planted import (
     FRICTION,
     INERTIA,
     J_L,
+    J_M,
     K_E,
     K_I,
     KNOWN,
@@ -33,6 +34,8 @@ from tests.planted import (
     MOTOR,
     MU,
     TORQUE,
+    L,
+    M,
     R,
     T,
     coloured,
@@ -403,3 +406,64 @@ def test_a_value_that_another_bound_hides_says_which(side: str | None, widened: 
     own = Estimate(0.0072, 0.00075, (0.0, 0.0089), "m s/rad", None, widened)
     other = Estimate(0.0, 0.01, (0.0, 0.02), "m", side, True)
     assert expected == _because("B_lN", {"B_lN": own, "C_lN": other})
+
+
+SCALES = {"k_i": TORQUE, "range": '[unknown]\nk_i = ["0.01 Nm/A", "0.1 Nm/A"]\n'}
+
+
+@pytest.mark.parametrize("scale", SCALES.values(), ids=SCALES)
+@pytest.mark.parametrize(
+    ("known", "other"), [({"J_l": J_L}, "J_m"), ({"J_m": J_M}, "J_l")], ids=["J_l", "J_m"]
+)
+def test_of_two_inertias_the_rig_gives_one(
+    known: dict[str, float], other: str, scale: str, tmp_path: Path
+) -> None:
+    """The other is what the fitted J leaves; both are as planted, and their sum is the fitted J."""
+    given = "".join(f"{name}_kgm2 = {value}\n" for name, value in known.items())
+    current = {"current_A": torque("C2", FRICTION) / K_I}
+    found = fitted(tmp_path, 'case = "C2"\n' + KNOWN + given + scale, current)
+    values, notes, _ = emitted_parameters(found)
+    J_m, J_l = (values[name] or 0.0 for name in ("J_m", "J_l"))
+
+    assert (J_m, J_l) == pytest.approx((J_M, J_L), rel=2e-2)
+    J = found.combinations.get("J") or found.coefficients["J"]
+    assert J_m + MU**2 * J_l == pytest.approx(J.value, rel=1e-12)
+    assert known == {name: values[name] for name in known}
+    assert notes[other].startswith("from J fitted: ")
+    assert not any("is at its bound" in text for text in found.warnings)
+
+
+@pytest.mark.parametrize("scale", SCALES.values(), ids=SCALES)
+def test_a_known_inertia_beyond_that_of_the_log_is_said(scale: str, tmp_path: Path) -> None:
+    """A J_l with more than all of the inertia leaves none for J_m: it is 0, and a warning names J_l."""
+    current = {"current_A": torque("C2", FRICTION) / K_I}
+    given = f"J_l_kgm2 = {2.0 * INERTIA / MU**2}\n"
+    found = fitted(tmp_path, 'case = "C2"\n' + KNOWN + given + scale, current)
+
+    assert emitted_parameters(found)[0]["J_m"] == 0.0
+    assert " is at its bound: [known] J_l = 0.1" in "\n".join(found.warnings)
+
+
+def test_a_link_of_unknown_inertia_is_a_point_mass(tmp_path: Path) -> None:
+    """J_l is M L^2, as in a diagnosis, and J_m the rest; in volts J_m has all of it."""
+    current = {"current_A": torque("C2", FRICTION) / K_I}
+    found = fitted(tmp_path, 'case = "C2"\n' + KNOWN + TORQUE, current)
+    values, notes, _ = emitted_parameters(found)
+    J = found.coefficients["J"].value
+
+    assert values["J_l"] == pytest.approx(M * L**2, rel=1e-12)
+    assert values["J_m"] == pytest.approx(J - MU**2 * M * L**2, rel=1e-12)
+    assert "convention: M L^2" in notes["J_l"]
+
+    level = fitted(tmp_path, 'case = "C1"\n' + KNOWN + f"J_l_kgm2 = {J_L}\n", {"voltage_V": voltage("C1")})
+    assert emitted_parameters(level)[0]["J_l"] == 0.0
+
+
+def test_less_inertia_than_a_point_mass_is_all_of_the_rotor(tmp_path: Path) -> None:
+    """No link with M at L has less than M L^2: then nothing is assigned to it."""
+    current = {"current_A": (torque("C2", FRICTION) - 0.5 * INERTIA * motion()[2]) / K_I}
+    values, notes, _ = emitted_parameters(fitted(tmp_path, 'case = "C2"\n' + KNOWN + TORQUE, current))
+
+    assert values["J_m"] == pytest.approx(0.5 * INERTIA, rel=1e-2)
+    assert values["J_l"] == 0.0
+    assert "J_m contains all" in notes["J_l"]

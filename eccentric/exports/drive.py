@@ -149,20 +149,21 @@ class ExportedDrive:
 
     @property
     def inertia(self) -> float:
-        """Inertia of both about their centre of mass [kg m^2].
+        """Inertia of both about their centre of mass [kg m^2]; 1e-9 M L^2 for a point, as engines need some.
 
         Raises:
             InputError: J_l is no inertia of a body with M at L.
         """
         self.require("J_l")
-        about_centre = self.p.J_l - self.mass * self.centre**2
-        if about_centre <= 0.0:
+        least = self.mass * self.centre**2
+        about_centre, rounding = self.p.J_l - least, 1e-9 * least
+        if about_centre < -rounding or not self.p.J_l:
             raise InputError(
                 f"model {self.name}: J_l",
-                f"more than {self.mass * self.centre**2:.4g} kg m^2, about the axis with M at L",
-                f"{self.p.J_l:.4g}",
+                f"{'at least' if least else 'more than'} {least:.6g} kg m^2, about the axis with M at L",
+                f"{self.p.J_l:.6g}",
             )
-        return about_centre
+        return max(about_centre, rounding)
 
     @cached_property
     def gravity(self) -> tuple[float, float]:

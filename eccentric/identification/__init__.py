@@ -54,7 +54,7 @@ from eccentric.identification.expressions import (
     load_torque,
     state_series,
 )
-from eccentric.identification.first_fit import drive_of
+from eccentric.identification.first_fit import drive_of, inertias
 from eccentric.identification.fit_data import (
     Emitted,
     FitData,

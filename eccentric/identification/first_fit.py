@@ -54,7 +54,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     unit = "N m" if problem.has("scale") else problem.drive.unit
     rotor = None
     if open_inertia and unit == "N m":
-        known |= _inertias(rig, machine, found["inertia"] / s)
+        known |= inertias(rig, machine, found["inertia"] / s)
         rotor = rig.known.get(machine.rotor)
     elif open_inertia:
         # Volts have no part in kg m^2 that could be subtracted: the rotor stands for all of the inertia.
@@ -137,7 +137,7 @@ def _needed(channels: Channels, rig: Rig, base: Model, machine: Machine) -> dict
     return known
 
 
-def _inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
+def inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
     """J_m and J_l for the identified inertia; a link of unknown inertia is taken as a point mass."""
     rotor, link = machine.rotor, machine.link
     if not link:
@@ -150,7 +150,7 @@ def _inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
 
     if rotor in rig.known:
         return {link: beyond(rig.known[rotor])}
-    own = rig.known.get(link, mass_alone(rig.known))
+    own = rig.known[link] if link in rig.known else mass_alone(rig.known)
     rest = max(total - machine.inertia({**others, rotor: 0.0, link: own}), 0.0)
     return {rotor: rest, link: own if rest else beyond(0.0)}
 

@@ -18,7 +18,13 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from eccentric.identification import limits
-from eccentric.identification.columns import combinations, following_letters, identified_letters, own_letters
+from eccentric.identification.columns import (
+    combinations,
+    following_letters,
+    identified_letters,
+    own_letters,
+    with_own,
+)
 from eccentric.identification.drive import in_drive_unit
 from eccentric.identification.problem import Problem, delay_or_inertia, pose, solved
 from eccentric.identification.regression import (
@@ -342,10 +348,13 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
             f" {axis.named(problem.drive.channels.motor.measured_by)} and {axis.term('angle')} agree?"
         )
     for c, active in zip(problem.coefficients, paper.active, strict=True):
-        at_bound = c.role == "inertia" and active == -1
-        if at_bound or (c.role == "inertia" and _one_frequency_for_both(problem)):
+        if c.role != "inertia":
+            continue
+        declared = _declared_alone(problem, paper)
+        at_bound = active == -1 or bool(declared)
+        if at_bound or _one_frequency_for_both(problem):
             where = "is at its bound" if at_bound else "may be wrong"
-            why = delay_or_inertia(paper.at, axis)
+            why = delay_or_inertia(paper.at, axis) or declared
             found += [f"{axis.named(c.name)} {where}: {why}"] if why else []
     for s in problem.nonlinear:
         value = paper.at[s.name]
@@ -362,6 +371,19 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
             f" by {change:.1f} %"
         )
     return found
+
+
+def _declared_alone(problem: Problem, paper: Solution) -> str:
+    """The one inertia that the rig declares, where it is all of that which the log shows, else ""."""
+    of = {c.role: float(x) for c, x in zip(problem.coefficients, paper.values, strict=True)}
+    machine, rig = problem.drive.machine, with_own(problem.rig, problem.model)
+    opened = [name for name in (machine.rotor, machine.link) if name not in rig.known]
+    if not machine.link or len(opened) != 1 or not (problem.scale is None or "scale" in of):
+        return ""
+    (name,) = {machine.rotor, machine.link} - set(opened)
+    least = machine.inertia({**rig.known, opened[0]: 0.0})
+    spent = of["inertia"] / of.get("scale", 1.0) <= least * (1.0 + limits.SAME)
+    return f"[known] {name} = {rig.known[name]:.4g} kg m^2" if spent else ""
 
 
 # The free cubic of a coast-down: c_0 + c_1 |w| + c_2 w^2 + c_3 |w|^3 against the motion, without bounds.

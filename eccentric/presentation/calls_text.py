@@ -149,10 +149,11 @@ def export_lines(drive: ExportedDrive | ExportedArm, exported: Exported) -> list
         )
     file, missing = exported.unwritten
     if missing:
-        lines.append(
-            f"left out: the pendulum {file}, which requires {' and '.join(missing)}: declare"
-            f" {'it' if len(missing) == 1 else 'them'} in the rig, or give a value with --parameters"
-        )
+        it = "it" if len(missing) == 1 else "them"
+        # A fit gives all inertias a value, and takes no more from --parameters.
+        fitted = None not in (drive.p.J_m, drive.p.J_l)
+        mend = f"declare {it} in the rig and fit again" if fitted else f"give {it} with --parameters"
+        lines.append(f"left out: the pendulum {file}, which requires {' and '.join(missing)}: {mend}")
     if drive.model.back_emf_in_friction:
         lines.append(
             "friction contains the back-EMF: drive the joint by k_i u/R, the torque of the voltage u"

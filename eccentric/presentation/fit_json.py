@@ -38,6 +38,7 @@ the interval:
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -50,10 +51,13 @@ from eccentric.identification import (
     Fit,
     correlation,
     following_letters,
+    inertias,
     k_e,
     own_letters,
+    with_own,
 )
-from eccentric.model import TURNING, AxisKind
+from eccentric.model import TURNING, AxisKind, regressor
+from eccentric.model import vocabulary as v
 from eccentric.rigs import ALIGNMENT, COASTING, alignment_of, knowns_of
 from eccentric.signals import Channels
 
@@ -251,9 +255,7 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
                 "" if shown in (c.parameter, "J") else f"; contains all of {axis.named(shown)}"
             )
     if problem.has("inertia") and problem.drive.machine.link:
-        machine = problem.drive.machine
-        values[machine.link] = 0.0
-        notes[machine.link] = f"convention: {machine.rotor} contains all of the inertia J_m + mu^2 J_l"
+        _put_inertias(fit, values, notes)
     fields, inertia = problem.emitted.letters, problem.drive.machine.inertia_letters
     follows, placeholders = following_letters(problem.model), set()
     for name in fields:
@@ -271,6 +273,36 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
             values[name], notes[name] = 0.0, axis.text(NO_BACK_EMF)
             placeholders.add(name)
     return {name: values[name] for name in fields}, {name: notes[name] for name in fields}, placeholders
+
+
+def _put_inertias(fit: Fit, values: dict[str, float | None], notes: dict[str, str]) -> None:
+    """Split the inertia, fitted as the rotor's, as `diagnose` does: by what the rig knows, else a link M L^2.
+
+    The rotor has all of it where torques are in another unit, less is found than M L^2, or friction that
+    follows J_l has been fitted without it.
+    """
+    problem, known = fit.problem, fit.problem.rig.known
+    model, machine = problem.model, problem.drive.machine
+    rotor, link = machine.rotor, machine.link
+    values[link] = 0.0
+    notes[link] = f"convention: {rotor} contains all of the inertia J_m + mu^2 J_l"
+    declared = {rotor, link} & set(known)
+    found = {**known, **{name: e.value for name, e in fit.searched.items()}}
+    follows = {s.name for column in regressor(model) for s in model.expand(column.basis).free_symbols}
+    if (
+        _torque_unit(fit) != "N m"
+        or link in follows - set(known)
+        or not (declared or {v.M.name, v.L.name} <= set(found))
+    ):
+        return
+    rig = with_own(dataclasses.replace(problem.rig, known=found), model)
+    parts = {**inertias(rig, machine, values[rotor] or 0.0), **known}
+    if not (declared or (parts[rotor] and parts[link])):
+        return
+    text = f"from {problem.rig.axis.named('J')} {notes[rotor]}"
+    words = {rotor: text, link: text if declared else "convention: M L^2, a point mass"}
+    for name in (rotor, link):
+        values[name], notes[name] = parts[name], "known, from the rig" if name in known else words[name]
 
 
 def _put_scale(fit: Fit, values: dict[str, float | None], notes: dict[str, str]) -> None:
