@@ -55,7 +55,7 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
 def _stopped_at(text: str, error: str) -> tuple[str, str]:
     """The line where a parser stopped, and its place, "line 3"; both empty if the message names none."""
     lines = text.splitlines()
-    place = re.search(r"\bline (\d+)", error.replace("end of document", f"line {len(lines)}"))
+    place = re.search(r"\bline (\d+)", error.replace("(at end of document)", f"line {len(lines)}"))
     if place is None or not 0 < int(place[1]) <= len(lines):
         return "", ""
     return lines[int(place[1]) - 1].strip(), place[0]
