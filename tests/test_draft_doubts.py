@@ -120,11 +120,12 @@ def test_a_speed_that_bounces_off_zero_has_lost_its_sign(
     assert doubted == any("sign is missing" in doubt for doubt in eccentric.draft_rig(log).doubts)
 
 
-def test_the_registers_of_a_servo_are_read_by_their_ratio() -> None:
+@pytest.mark.parametrize("velocity", ["present_velocity", "Present Velocity(128)"])
+def test_the_registers_of_a_servo_are_read_by_their_ratio(velocity: str) -> None:
     """One of the speed is 0.229 rpm, which makes 4096 counts a turn; the supply is in tenths of a volt."""
     log = swing("present_position", 4096 / TURN, counts=True)
     omega = np.gradient(log["present_position"] * TURN / 4096, log["t_s"])
-    log["present_velocity"] = np.round(omega * 60 / TURN / 0.229)
+    log[velocity] = np.round(omega * 60 / TURN / 0.229)
     log |= {
         "present_pwm": np.round(200 * log["torque_Nm"]),
         "present_input_voltage": np.full(len(omega), 120.0),
@@ -135,7 +136,8 @@ def test_the_registers_of_a_servo_are_read_by_their_ratio() -> None:
     moving = {channel: c for channel, c in rig["columns"].items() if channel.startswith("omega")}
 
     assert rig["encoder_counts_per_rev"] == 4096
-    assert [*moving.values()] == [{"column": "present_velocity * 0.229", "unit": "rpm"}]
+    source = velocity if velocity.isidentifier() else f"`{velocity}`"
+    assert [*moving.values()] == [{"column": f"{source} * 0.229", "unit": "rpm"}]
     assert any("tenths of a volt" in doubt for doubt in draft.doubts)
 
 

@@ -204,7 +204,7 @@ EITHER = {
         "1,25\n1,50\n1,75\n",
         "'1,25' in line 1, which may be one number with a decimal comma: write",
     ),
-    "a name in the first row": ("run,0.5,1.5\nrun,0.75,2.5\nrun,1.5,3.5\n", "'run,0.5,1.5' in line 1"),
+    "a name in the first row": ("run,0.5,1.5\nstop,0.75,2.5\nrun,1.5,3.5\n", "'run,0.5,1.5' in line 1"),
 }
 
 

@@ -121,6 +121,39 @@ TABLES = {
         + lines("%.3f\t%.4f", X, V),
         {"X_Value": "", "x": "rad"},
     ),
+    "an empty time of LabVIEW": (
+        "LabVIEW Measurement\t\nX_Columns\tNo\n***End_of_Header***\t\n\t\nChannels\t1\t\n"
+        "Y_Unit_Label\trad\t\nX0\t0.0\t\nDelta_X\t0.005\t\n***End_of_Header***\t\t\nX_Value\tx\tComment\n"
+        + lines("\t%.4f", V),
+        {"X_Value": "s", "x": "rad"},
+    ),
+    "start and increment of a scope": (
+        "X,CH1,Start,Increment,\nSequence,Volt,0.0,5e-3\n" + lines("%d,%.4f,", range(40), V),
+        {"X": "s", "CH1": "V"},
+    ),
+    "channels of a scope by their numbers": (
+        "x-axis,1\nsecond,Volt\n" + lines("%.3f,%.4f", X, V),
+        {"x-axis": "s", "channel 1": "V"},
+    ),
+    "settings of a scope beside the first rows": (
+        lines("%s,%.3f,%.4f", ["Record Length,40", "Units,V", *[","] * 38], X, V),
+        {"column_1": "", "column_2": "", "column_3": "", "column_4": ""},
+    ),
+    "lists of Python": (lines("[%.3f, %.4f]", X, V), {"column_1": "", "column_2": ""}),
+    "tuples below a header": ("t, x\n" + lines("(%.3f, %.4f),", X, V), {"t": "", "x": ""}),
+    "rows with a checksum": (
+        lines("$MOT,%d,%.3f,%.4f*4A", range(40), X, V),
+        {"column_1": "", "column_2": "", "column_3": "", "column_4": ""},
+    ),
+    "rows with a name and without a header": (
+        lines("%d,base_link,%.3f,%.4f", range(40), X, V),
+        {"column_1": "", "column_2": "", "column_3": "", "column_4": ""},
+    ),
+    "a table with borders": (
+        "+---+---+\n| t | x |\n+---+---+\n" + lines("| %.3f | %.4f |", X, V) + "+---+---+\n",
+        {"t": "", "x": ""},
+    ),
+    "comments of MATLAB": ("% bench 3\n% t x\n" + lines("%.3f %.4f", X, V), {"t": "", "x": ""}),
 }  # fmt: skip
 
 
@@ -202,6 +235,32 @@ def test_lists_in_cells_are_columns(text: str, read: Callable[..., Log]) -> None
 
     assert ["t", "q(:,1)", "q(:,2)"] == list(log.columns)
     assert {0.5} == set(log.numbers("q(:,1)"))
+
+
+def test_numbers_in_hexadecimal(read: Callable[..., Log]) -> None:
+    """Registers as a controller prints them, with a note."""
+    log = read("t,x\n" + lines("%.3f,0x%04X", X, range(40)))
+
+    assert (("x: hexadecimal",), [*range(40)]) == (log.notes, log.numbers("x").tolist())
+
+
+def test_dictionaries_of_python_in_a_text_file(read: Callable[..., Log]) -> None:
+    """They begin as JSON does, with other quotation marks."""
+    log = read(lines("{'t': %.3f, 'x': %.4f}", X, V), ".txt")
+
+    np.testing.assert_allclose([log.numbers("t"), log.numbers("x")], [X, V], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("start", "kind"),
+    [("header:\n  stamp:\n    sec: 1\n---\nheader:\n  stamp:\n    sec: 2\n---\n", "YAML"),
+     ("FMT, 128, 89, FMT, BBnNZ, Type,Length\nFMT, 64, 30, M, Qf, TimeUS,Pos\nM, 1, 0.5\n", "ArduPilot"),
+     ("H Product:Blackbox flight data recorder\nH I interval:32\n", "Betaflight")],
+)  # fmt: skip
+def test_other_kinds_of_text_are_named(start: str, kind: str, read: Callable[..., Log]) -> None:
+    """The message says what the file is and how to get a table."""
+    with pytest.raises(InputError, match=f"a table of text, got .*{kind}"):
+        read(start)
 
 
 @pytest.mark.parametrize("text", ["(0.5)", "(1,234)", "(1,5)", "(1,234.5)"])
@@ -381,6 +440,35 @@ def test_counts_by_an_electrical_speed_are_electrical(draft: Callable[..., RigDr
     )
 
     assert all("pole pairs" in found[channel][2] for channel in ("theta_m", "omega_m"))
+
+
+def test_tenths_of_counts_per_second(draft: Callable[..., RigDraft]) -> None:
+    """The unit of the speed, as its name says it, agrees with counts of the angle."""
+    counts = {
+        "Position (counts)": np.round(8000 / TURN * Q),
+        "Velocity (0.1 counts/s)": np.round(8e4 / TURN * DQ),
+    }
+    drafted = draft(t_s=T, **counts, **{"Current (A)": CURRENT})
+
+    units = {column: unit for column, unit, _ in proposed(drafted).values()}
+    assert (units["Position (counts)"], units["Velocity (0.1 counts/s)"]) == ("counts", "0.1 counts/s")
+
+
+@pytest.mark.parametrize("parts", [1000, 1_000_000, 1_000_000_000])
+def test_seconds_and_their_parts_without_names(parts: int, tmp_path: Path) -> None:
+    """Rows without a header, as of `ros2 topic echo --csv`: two columns are the time."""
+    stamp = np.round(T * parts).astype(np.int64)
+    table = zip(1_700_000_000 + stamp // parts, stamp % parts, Q, DQ, CURRENT, strict=True)
+    path = tmp_path / "log.csv"
+    path.write_text("".join(f"{s},{n},base,{q:.6f},{dq:.6f},{i:.6f}\n" for s, n, q, dq, i in table))
+
+    columns = {p.channel: p.source for p in draft_rig(path).proposals}
+    assert columns["time"] == f"column_1 + column_2 / {parts}"
+    assert (columns["theta_m"], columns["omega_m"], columns["current"]) == (
+        "column_4",
+        "column_5",
+        "column_6",
+    )
 
 
 def test_a_counter_that_overflows_may_be_no_turn(draft: Callable[..., RigDraft]) -> None:

@@ -121,7 +121,7 @@ def _contradicted(rig: Rig, draft: Draft, told: Collection[str]) -> Iterator[Com
 
 def _same_unit(source: ColumnSource, proposal: Proposal, counts: float | None) -> bool:
     """Whether a column is read in the unit that the log shows, as far as it shows one."""
-    if proposal.unit.startswith("counts") and counts is None:
+    if "counts" in proposal.unit and counts is None:
         return True
     own = source.unit.factor if source.unit is not None else 1.0
     return math.isclose(own, parse_unit(proposal.unit, "", counts or 1.0).factor, rel_tol=0.01)
@@ -154,7 +154,7 @@ def _values(rig: Rig, draft: Draft) -> Iterator[Complaint]:
     # The step of the same column; an angle in counts shows no step in turns.
     columns = rig.log.columns or {}
     mapped = {columns[c].text.strip("`") for c in ("theta_m", "theta_l") if c in columns}
-    by_step = angle is not None and angle.source in mapped and not angle.unit.startswith("counts")
+    by_step = angle is not None and angle.source in mapped and "counts" not in angle.unit
     if by_step and counts and declared and not math.isclose(declared, float(counts.value), rel_tol=0.02):
         yield Complaint(
             f"{rig.path}: encoder_counts_per_rev = {declared:g}: the log shows {counts.value}"

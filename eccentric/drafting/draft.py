@@ -546,9 +546,9 @@ def _channels(
             doubts.append(f"could also be {' or '.join(also)}")
         elif sure < limits.SURE or not shown:
             doubts.append(BY_SIZE)
-        if unit.startswith("counts") and best.product:
+        if "counts" in unit and best.product:
             doubts.append("the log shows counts per turn times gear, not each: check encoder_counts_per_rev")
-        if unit.startswith("counts") and not best.counts:
+        if "counts" in unit and not best.counts:
             doubts.append("the log does not show how many counts make a turn: set encoder_counts_per_rev")
         channel = f"theta_{gear.angle}" if what == "angle" else f"omega_{gear.speed}"
         by_gravity = best.by_gravity if what == "angle" else ()
@@ -576,7 +576,7 @@ def _is_turn(best: Reading, given: Shown) -> bool:
 
 def _alike(reading: Reading, best: Reading, unit: str) -> bool:
     """Whether a reading in the same unit has the same counts per turn, where the unit is counts."""
-    return not unit.startswith("counts") or math.isclose(reading.counts, best.counts, rel_tol=1e-3)
+    return "counts" not in unit or math.isclose(reading.counts, best.counts, rel_tol=1e-3)
 
 
 def _others(found: Sequence[Reading], what: str, unit: str) -> list[str]:

@@ -183,7 +183,7 @@ def _entries(proposals: Sequence[Proposal], chain: Chain, arm: str, first: int) 
     kinds = {_kind(p.channel) for p in proposals}
     names = few([joint.name for joint in chain.joints])
     entries = [RigLine("", "arm", json.dumps(arm, ensure_ascii=False), f"{counted(count, 'joint')}: {names}")]
-    if any(p.unit.startswith("counts") for p in proposals):
+    if any("counts" in p.unit for p in proposals):
         why = "counts of the angle per turn of the shaft that it is logged on"
         entries.append(RigLine("", "encoder_counts_per_rev", "4096", why, asked=True))
     entries += asked_parts("strain wave")

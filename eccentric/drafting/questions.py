@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from eccentric.core import InputError, counted
 from eccentric.drafting import limits
-from eccentric.drafting.balance import SHORT, Explained, Moved
+from eccentric.drafting.balance import GUESSED_UNITS, SHORT, Explained, Moved
 from eccentric.drafting.columns import Grid, LoggedColumn, nice_counts
 from eccentric.drafting.proposal import Proposal, RigLine, asked_parts, computed_by, known_asked
 from eccentric.drafting.units import Reading, Shown
@@ -45,8 +45,10 @@ def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[Rig
         why = "; ".join(w for w in best.why["angle"] if "counts" in w)
         by_gravity = not given.wrap and not given.factor
         doubt = SHORT if by_gravity and balance is not None and balance.turns < 1.0 else ""
+        if given.speed is not None and given.factor and not (given.wrap or given.speed.name.unit):
+            doubt = GUESSED_UNITS
         return [RigLine("", key, f"{best.counts:g}", why, doubt, guessed=bool(doubt))]
-    if best.speed == "counts/s" and best.counts:
+    if "counts" in best.speed and best.counts:
         why = next(w for w in best.why["speed"] if "a turn has" in w)
         return [RigLine("", key, f"{best.counts:g}", why)]
     if given.step:

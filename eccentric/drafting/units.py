@@ -135,19 +135,40 @@ def opened(log: Log, rows: int) -> Opened:
 
 
 def _with_nanoseconds(columns: Mapping[str, LoggedColumn]) -> dict[str, LoggedColumn]:
-    """The columns, with a time in place of one in whole seconds and one in the nanoseconds beyond them."""
+    """The columns, with a time in place of one in whole seconds and one in the nanoseconds beyond them.
+
+    Names show such a pair, or the values of two columns side by side, as ROS 2 prints them without names.
+    """
     found = dict(columns)
-    for name, beyond in columns.items():
+    for before, (name, beyond) in zip((None, *columns.values()), columns.items(), strict=False):
         whole = _NANO.sub(lambda one: one[1] + "sec" + one[3], name)
-        seconds = next((found[n] for n in (whole, f"{whole}s") if n in found), None)
-        if seconds is None or whole == name or not (seconds.is_whole and np.all(np.abs(beyond.values) < 1e9)):
+        named = next((found[n] for n in (whole, f"{whole}s") if n in found and whole != name), None)
+        seconds, parts = (named, 1e9) if named else (before, _parts_of(before, beyond))
+        if seconds is None or not parts or not (seconds.is_whole and np.all(np.abs(beyond.values) < parts)):
             continue
-        text = f"{quoted(seconds.text)} + {quoted(name)} / 1000000000"
+        text = f"{quoted(seconds.text)} + {quoted(name)} / {parts:.0f}"
         # From the first second: floating point has no nanoseconds of seconds since 1970.
-        values = seconds.values - seconds.values[0] + beyond.values * 1e-9
+        values = seconds.values - seconds.values[0] + beyond.values / parts
         del found[name], found[seconds.text]
         found[text] = LoggedColumn(Name(text, "time", "s", word="sec"), values)
     return found
+
+
+def _parts_of(seconds: LoggedColumn | None, beyond: LoggedColumn) -> float:
+    """Into how many parts a column divides the whole seconds of the one before it; 0 where it does not.
+
+    It fills each second, starts again with the next, and together they rise as evenly there as anywhere.
+    """
+    if seconds is None or not (seconds.is_whole and beyond.is_whole) or len(seconds.values) < 3:
+        return 0.0
+    steps, highest = np.diff(seconds.values), float(np.max(beyond.values))
+    parts = next((parts for parts in (1e3, 1e6, 1e9) if highest < parts), 0.0)
+    fills = parts and highest > 0.5 * parts and np.min(beyond.values) >= 0.0
+    if not fills or np.any(steps < 0.0) or not np.any(steps) or np.all(steps):
+        return 0.0
+    rise = steps + np.diff(beyond.values) / parts
+    even = abs(np.median(rise[steps > 0.0]) - np.median(rise)) <= 0.5 * np.median(rise)
+    return parts if even and np.all(rise > 0.0) else 0.0
 
 
 def opened_to_draft(log: Log) -> Opened:
@@ -324,7 +345,7 @@ _ANGLES = {"rad": 1.0, "deg": TURN / 360.0, "rev": TURN, "mrad": 1e-3}
 _SPEEDS = {"rad/s": 1.0, "rpm": TURN / 60.0, "deg/s": TURN / 360.0, "rev/s": TURN}
 REGISTER = "0.229 rpm"
 """What one of `present_velocity` is in servos of the series Dynamixel X."""
-_OF_REGISTER = re.compile(r"present[ _]?velocity$", re.IGNORECASE)
+_OF_REGISTER = re.compile(r"present[ _]?velocity[\W\d_]*$", re.IGNORECASE)
 _PRIOR = {
     "rad": 1.0, "deg": 0.7, "counts": 0.6, "rev": 0.1, "mrad": 0.005,
     "rad/s": 1.0, "rpm": 0.7, "deg/s": 0.5, "rev/s": 0.1, "counts/s": 0.1, "0.229 rpm": 1.0,
@@ -394,7 +415,8 @@ class Reading:
 def readings(given: Shown) -> list[Reading]:
     """All readings, best first; their weights add up to 1."""
     angles = [""] if given.angle is None else _units_of(given.angle, [*_ANGLES, "counts"], "rad")
-    speeds = [""] if given.speed is None else _units_of(given.speed, [*_SPEEDS, "counts/s"], "rad/s")
+    in_counts = given.speed.name.unit if given.speed and _counts_in(given.speed.name.unit) else "counts/s"
+    speeds = [""] if given.speed is None else _units_of(given.speed, [*_SPEEDS, in_counts], "rad/s")
     if given.speed is not None and given.speed.is_whole and _OF_REGISTER.search(given.speed.text):
         speeds = [*speeds, REGISTER]
     found = [
@@ -416,11 +438,16 @@ def _units_of(column: LoggedColumn, usual: list[str], like: str) -> list[str]:
 
 def _factor(unit: str, usual: Mapping[str, float]) -> float:
     """The SI value of one of a unit of motion; 0 for none and for counts."""
-    if unit in ("", "counts", "counts/s"):
+    if unit in ("", "counts") or _counts_in(unit):
         return 0.0
     if unit == REGISTER:
         return 0.229 * usual["rpm"]
     return usual.get(unit) or parse_unit(unit, "").factor
+
+
+def _counts_in(speed: str) -> float:
+    """How many counts per second one of a unit of speed is; 0 for a unit without counts."""
+    return parse_unit(speed, "", 1.0).factor / TURN if speed.endswith("counts/s") else 0.0
 
 
 def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
@@ -447,23 +474,23 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
         weight *= factor
         by_gravity += said
         why["angle"] += said
-    told = given.speed is not None and given.speed.name.unit == "counts/s"
-    if told and speed == "counts/s" and angle != "counts" and given.factor and unit:
-        turn = TURN * abs(given.factor) / (unit * later)
+    told, each = given.speed is not None and given.speed.name.unit == speed, _counts_in(speed)
+    if told and each and angle != "counts" and given.factor and unit:
+        turn = TURN * each * abs(given.factor) / (unit * later)
         counts = nice_counts(turn, limits.SAME_COUNTS) or turn
         why["speed"] += (f"by the slope of the angle a turn has {turn:.6g} counts",)
     of_count = TURN / counts if counts else unit
-    per = of_count if speed == "counts/s" else _factor(speed, _SPEEDS)
+    per = each * of_count if each else _factor(speed, _SPEEDS)
     ratio = 1.0
     if speed and given.speed is not None:
         weight *= 1.0 if _follows(given, angle, speed) else _named(given.speed, speed)
         if given.speed.name.unit:
             why["speed"] += (f"{given.speed.name.unit} by {_source(given.speed.name)}",)
         # Counts of one encoder are compared without their size.
-        alike = speed == "counts/s" and angle == "counts"
-        weight *= 1e-4 if speed == "counts/s" and angle not in ("", "counts") and not told else 1.0
+        alike = bool(each) and angle == "counts"
+        weight *= 1e-4 if each and angle not in ("", "counts") and not told else 1.0
         if given.factor and (alike or (unit and per)):
-            off = abs(given.factor) / later * (1.0 if alike else per / unit)
+            off = abs(given.factor) / later * (each if alike else per / unit)
             factor, ratio, said = _slope(off, given.factor, gear)
             weight *= factor
             why["speed"] += said

@@ -37,6 +37,11 @@ TIME_OF_DAY = re.compile(
     r"\s*(?:(?P<half>[AaPp])[Mm])?\s*"
 )
 _FORTRAN = re.compile(r"(?<=[\d.])[dD](?=[-+]\d{2,3}(?!\d))")
+_SPELLED = {
+    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "hr": "h", "C": "degC",
+    "volt": "V", "volts": "V", "ampere": "A", "amperes": "A", "amp": "A", "amps": "A",
+}  # fmt: skip
+_HEX = re.compile(r"\s*0[xX][0-9A-Fa-f]{1,8}\s*")
 _THOUSANDS = re.compile(r"(?<=\d)[\u00a0\u2009\u202f](?=\d{3}(?!\d))")
 EXACT = 2**53
 """Whole numbers above this are not exact as floating point: nanoseconds since 1970 are in steps of 256."""
@@ -145,6 +150,12 @@ def cells_to_column(name: str, cells: Sequence[str], sign: Sign) -> tuple[Column
     ):
         found = [_WITH_UNIT.fullmatch(cell) for cell in cells]
         return column_of([one[1] if one else "" for one in found]), unit, ""
+    if given and all(map(_HEX.fullmatch, given)):
+        return (
+            column_of([int(cell, 16) if _HEX.fullmatch(cell) else cell for cell in cells]),
+            "",
+            f"{name}: hexadecimal",
+        )
     if given and all(map(_DATE.match, given)):
         return _dates(name, cells, column)
     if given and all(map(TIME_OF_DAY.fullmatch, given)):
@@ -178,10 +189,9 @@ def plain_column(cells: Sequence[str], sign: Sign) -> Column:
 
 @functools.lru_cache(maxsize=256)
 def as_unit(text: str) -> str:
-    """A unit as cells and MATLAB's durations spell it; "" for none."""
-    one = {"sec": "s", "secs": "s", "msec": "ms", "hr": "h", "C": "degC"}.get(text, text)
+    """A unit as cells, scopes and MATLAB's durations spell it; "" for none."""
     with suppress(InputError):
-        return parse_unit(one, "", 1.0).text
+        return parse_unit(_SPELLED.get(text, _SPELLED.get(text.lower(), text)), "", 1.0).text
     return ""
 
 
@@ -278,7 +288,7 @@ def lists_of(cells: Sequence[str]) -> NDArray[np.float64] | None:
         return None
     found = [_LIST.fullmatch(cell) for cell in cells]
     if any(
-        cell.lstrip()[0] == "(" and one and (is_number(one[1]) or _groups(one[1]))
+        cell.lstrip()[0] == "(" and "," not in cell[-2:] and one and (is_number(one[1]) or _groups(one[1]))
         for cell, one in zip(cells, found, strict=True)
     ):
         return None

@@ -45,11 +45,15 @@ from eccentric.logs.foreign import (
     text_of,
 )
 from eccentric.logs.labels import has_labels, of_labels
-from eccentric.logs.layout import Layout, is_content, is_prose, layout_of, rows_of
+from eccentric.logs.layout import Layout, is_content, is_prose, layout_of, rows_of, uncommented
 
 _NO_TABLES = {
     "version https://git-lfs": "a pointer of Git LFS: fetch the file itself, as with git lfs pull",
     "<": "a web page or XML: download the raw file, or export a CSV file",
+    **dict.fromkeys(
+        ("FMT,", "H Product:"),
+        "a flight log of ArduPilot or Betaflight: decode it with mavlogdump.py or blackbox_decode",
+    ),
 }
 """How files begin that stand in place of a log, and what to do."""
 _COMMA = re.compile(r"\d,\d")
@@ -58,6 +62,15 @@ _FRAMES = re.compile(
     r"\s*(\(\d+\.\d+\)\s+)?[vs]?l?can\d\s+[0-9A-Fa-f]{3,8}(#|\s+\[\d\])|;\$FILEVERSION|date \w+ .*\d{4}\s*$"
 )
 """Lists of frames on a CAN bus: of candump, PEAK and Vector."""
+_AROUND = (
+    re.compile(r"\|(.*)\|"),
+    re.compile(r"\[([^\[\]]*[,\s][^\[\]]*)\],?"),
+    re.compile(r"\(([^()]*[,\s][^()]*)\),?"),
+    re.compile(r"\$([^*]*)\*[\dA-Fa-f]{2}"),
+)
+"""What a line may have around its values: borders, brackets of Python, "$" and a checksum as in NMEA 0183."""
+_RULE = re.compile(r"\s*[|+]?(\s*:?[-=]{2,}:?\s*[|+])+(\s*:?[-=]{2,}:?)?\s*")
+"""A line drawn in a table of text, as Markdown has one below the header."""
 
 
 def read_csv(path: Path) -> Read:
@@ -81,8 +94,8 @@ def read_text(whole: str, path: Path) -> Read:
     text = io.StringIO(plainly(whole), newline="").readlines()
     if _is_labelled(text[: limits.LAYOUT_LINES]) and (labelled := of_labels(text)) is not None:
         return labelled
-    if _is_markdown(text[: limits.LAYOUT_LINES]):
-        text = ["\n" if _RULE.fullmatch(line) else line.strip().strip("|") + "\n" for line in text]
+    if (around := _around(text[: limits.LAYOUT_LINES])) is not None:
+        text = [_within(around, line) for line in text]
     with _csv_errors(path):
         layout = _start(path, text)
         read = _of_rows(path, text, layout)
@@ -111,10 +124,10 @@ def csv_source(path: Path) -> InParts | None:
     try:
         with _csv_errors(path):
             lines = _first_lines(path, limits.LAYOUT_LINES)
-            if _is_labelled(lines):
+            if _is_labelled(lines) or _around(lines) is not None:
                 return None
             layout = _start(path, lines)
-            if _is_markdown(lines) or layout.clocks or layout.units or not _plain(path, layout):
+            if layout.clocks or layout.units or layout.every or not _plain(path, layout):
                 return None
         rows = _lines(path)
     except UnicodeDecodeError:
@@ -145,12 +158,19 @@ def csv_source(path: Path) -> InParts | None:
     return InParts(header, rows - before, parts, layout.notes)
 
 
-_RULE = re.compile(r"\s*\|?(\s*:?-{2,}:?\s*\|)+(\s*:?-{2,}:?)?\s*")
-"""The line below the header of a table in Markdown."""
+def _around(lines: Sequence[str]) -> re.Pattern[str] | None:
+    """What nine lines of ten have around their values, but for those drawn; None for nothing."""
+    given = [line.strip() for line in lines if line.strip() and not _RULE.fullmatch(line)]
+    if any(map(_RULE.fullmatch, lines)):
+        return _AROUND[0]
+    return next(
+        (one for one in _AROUND[1:] if sum(map(bool, map(one.fullmatch, given))) > 0.9 * len(given)), None
+    )
 
 
-def _is_markdown(lines: Sequence[str]) -> bool:
-    return any(map(_RULE.fullmatch, lines))
+def _within(around: re.Pattern[str], line: str) -> str:
+    found = around.fullmatch(line.strip())
+    return "\n" if _RULE.fullmatch(line) else f"{found[1]}\n" if found else line
 
 
 def _first_lines(path: Path, most: int) -> list[str]:
@@ -176,9 +196,18 @@ def _start(path: Path, text: Sequence[str]) -> Layout:
     other = next((said for start, said in _NO_TABLES.items() if text[skipped].lstrip().startswith(start)), "")
     if other:
         raise InputError(path, "a table of text", other)
+    if text[skipped].rstrip().endswith(":") and sum(line.rstrip() == "---" for line in text[skipped:]) > 1:
+        raise InputError(
+            path,
+            "a table of text",
+            "YAML documents: record a bag, or print rows, as with ros2 topic echo --csv",
+        )
     if _FRAMES.match(text[skipped]):
-        got = "frames of a CAN bus: decode them by the drive's DBC or object dictionary, and write a table"
-        raise InputError(path, "a table of text", got)
+        raise InputError(
+            path,
+            "a table of text",
+            "frames of a CAN bus: decode them by the drive's DBC or object dictionary, and write a table",
+        )
     names, delimiter, is_row = _names(text[skipped - 1] if skipped else "", text[skipped])
     before = skipped + (not is_row)
     sample = text[: before + limits.LAYOUT_LINES]
@@ -253,7 +282,7 @@ def _lines(path: Path) -> int:
 
 def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
     """Column names from the first line with content, or from the comment before it; if it is a row."""
-    comment = comment.lstrip("# \t")
+    comment = uncommented(comment)
     delimiter = max(",;\t|", key=line.count)
     # numpy.savetxt writes the column names as a comment.
     if comment.strip() and _only_numbers(first := _cells(line, delimiter)):
@@ -276,7 +305,9 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
     header, before = layout.names, layout.before
     if (numbers := _all_numbers(text[before:], layout)) is not None:
         lines = np.arange(before + 1, before + 1 + len(numbers))
-        return Read(dict(zip(header, numbers.T.copy(), strict=True)), lines, units=layout.units)
+        return _timed(
+            Read(dict(zip(header, numbers.T.copy(), strict=True)), lines, units=layout.units), layout
+        )
     found = [(before + line, row) for line, row in rows_of(text[before:], layout.delimiter)]
     units = units_row(header, *(row for _, row in found[:2])) if len(found) > 1 else {}
     found = _rectangular(found[1:] if units else found, layout, path)
@@ -293,7 +324,16 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
         columns[name], unit, note = cells_to_column(name, cells, sign)
         notes += [note] if note else []
         units |= {name: unit} if unit else {}
-    return Read(columns, lines, tuple(notes), units)
+    return _timed(Read(columns, lines, tuple(notes), units), layout)
+
+
+def _timed(read: Read, layout: Layout) -> Read:
+    """The rows with the time that the lines above them state."""
+    if layout.every is None or read.lines is None:
+        return read
+    name, start, step = layout.every
+    time = {name: start + step * np.arange(len(read.lines))}
+    return dataclasses.replace(read, columns={**read.columns, **time}, units={**read.units, name: "s"})
 
 
 def _all_numbers(lines: Sequence[str], layout: Layout) -> NDArray[np.float64] | None:

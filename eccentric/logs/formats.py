@@ -89,7 +89,9 @@ TEXT = Format(
     gzipped=True,
 )
 _JSON = "JSON, as Rhoban BAM and pandas write it"
-JSON = Format((".json",), _JSON, "named_arrays.read_json", (b"{", b"[{"), gzipped=True)
+JSON = Format(
+    (".json",), _JSON, "named_arrays.read_json", (b'{"', b"{\n", b"{\r", b"{ ", b"{\t", b"[{"), gzipped=True
+)
 _MAT = Format(
     (".mat",),
     "MATLAB",

@@ -18,10 +18,7 @@ from dataclasses import dataclass, field
 from eccentric.core import InputError
 from eccentric.logs import limits
 from eccentric.logs.assemble import number_of
-from eccentric.logs.cells import (
-    is_number,
-)
-from eccentric.logs.units import parse_unit
+from eccentric.logs.cells import as_unit, is_number
 
 BLANKS = ""
 """The delimiter of values between blanks."""
@@ -34,6 +31,8 @@ _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]")
 _CLOCK = re.compile(r".*\d:\d\d(:\d\d)?([.,]\d+)?\s*([AaPp][Mm])?\s*Z?|\s*\d{4}-\d\d-\d\d.*")
 _SETTING = re.compile(r"\s*[^\d\s,;=:][^,;=:]*[:=]\s*\S")
 """A line of settings, such as "Device: X"."""
+_COMMENT = re.compile(r"#+|%+(?=\s)|//")
+"""How a comment begins; "%time" is a name."""
 _RULE = re.compile(r"[\s|+]*[-=_][-=_\s|+]*")
 """A line that is drawn below a header."""
 _COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
@@ -50,7 +49,8 @@ class Layout:
     """A table in a text: `before` lines above its first row, the delimiter, and the names of its columns.
 
     `units` are by column, `clocks` the places of columns that are the time of those after them, where
-    there is more than one; `notes` say which line was taken for the header.
+    there is more than one; `notes` say which line was taken for the header. `every` is a time of which the
+    lines above say no more than its start and step: its name, and both in seconds.
     """
 
     names: tuple[str, ...]
@@ -59,6 +59,7 @@ class Layout:
     units: Mapping[str, str] = field(default_factory=dict)
     clocks: tuple[int, ...] = ()
     notes: tuple[str, ...] = ()
+    every: tuple[str, float, float] | None = None
 
 
 def rows_of(lines: Sequence[str] | Iterator[str], delimiter: str) -> Iterator[tuple[int, list[str]]]:
@@ -92,11 +93,12 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
         for k, line in enumerate(lines[:first], start=1)
         if not _RULE.fullmatch(line)
         and not (
-            line.startswith("#")
+            _COMMENT.match(line)
             and is_prose(line, at_blanks=delimiter == BLANKS and line.count(",") != width - 1)
         )
-        for cells in _cells_above(line.lstrip("# \t") if line.startswith("#") else line, delimiter, width)
+        for cells in _cells_above(uncommented(line), delimiter, width)
     ]
+    above, every = _stated_time(above, rows)
     found = _beside_labels(above, width) or _labelled(above, width) or _header(above, rows)
     if found is None:
         others = [k for k, line in enumerate(lines[:first]) if is_content(line) and not _SETTING.match(line)]
@@ -107,7 +109,7 @@ def layout_of(lines: Sequence[str], path: object) -> Layout | None:
     line, names, units, clocks = found
     below = line > 2 or (line > 1 and (clocks or is_content(lines[0])))
     notes = (f"the header is line {line}",) if below else ()
-    return Layout(tuple(names), delimiter, first, units, clocks, notes)
+    return Layout(tuple(names), delimiter, first, units, clocks, notes, every)
 
 
 def require_bare_values(lines: Sequence[str], path: object) -> None:
@@ -124,7 +126,12 @@ def require_bare_values(lines: Sequence[str], path: object) -> None:
 
 def is_content(line: str) -> bool:
     """Whether a line is neither empty nor a comment."""
-    return bool(line.strip()) and not line.startswith("#")
+    return bool(line.strip()) and not _COMMENT.match(line)
+
+
+def uncommented(line: str) -> str:
+    """A line without the sign that makes it a comment."""
+    return _COMMENT.sub("", line, count=1).lstrip(" \t") if _COMMENT.match(line) else line
 
 
 def _cells_above(line: str, delimiter: str, width: int) -> list[list[str]]:
@@ -154,7 +161,7 @@ def _numbered(
 ) -> Layout:
     """A table without a header, its first row in line `first`; InputError where that may be anything else."""
     shown = f"{' '.join(lines[first].split())[:60]!r} in line {first + 1}"
-    if not all(_may_be_number(cell) or _CLOCK.fullmatch(cell) for cell in rows[0]):
+    if not all(_is_value(column, delimiter) for column in zip(*rows, strict=True)):
         raise InputError(path, "a header row with column names, and values between commas below it", shown)
     width = max(k for row in rows for k, cell in enumerate(row, start=1) if cell.strip())
     comma = delimiter == "," and width == 2 and all(map(_COMMA.fullmatch, map(",".join, rows)))
@@ -167,6 +174,21 @@ def _numbered(
         )
     note = "no header: columns are numbered from 1; name them in the file or map column_1 ... in [columns]"
     return Layout(tuple(f"column_{k + 1}" for k in range(width)), delimiter, before, notes=(note,))
+
+
+def _is_value(column: Sequence[str], delimiter: str) -> bool:
+    """Whether the first cell of a column is no name: a number, a time, or a text that others show to be none.
+
+    Such a text is the same in every row, or is a setting of a scope, below which the column is empty; a word
+    between blanks may be anything.
+    """
+    first, last = column[0].strip(), column[-1].strip()
+    same = (
+        delimiter != BLANKS
+        and len(column) >= limits.ROWS_OF_A_TABLE
+        and (set(map(str.strip, column)) == {first} or not last)
+    )
+    return _may_be_number(first) or bool(_CLOCK.fullmatch(first)) or same
 
 
 def _may_be_names(rows: Sequence[Sequence[str]]) -> bool:
@@ -245,6 +267,33 @@ def _first(
     return None
 
 
+_Above = list[tuple[int, list[str]]]
+
+
+def _stated_time(
+    above: _Above, rows: Sequence[Sequence[str]]
+) -> tuple[_Above, tuple[str, float, float] | None]:
+    """The lines above, and the time that they state in place of a column: its name, start and step.
+
+    LabVIEW has lines for both, and an empty column; Rigol two cells more in the header and below it.
+    """
+    told = {cells[0]: cells[1] for _, cells in above if len(cells) > 1}
+    name, start, step = "X_Value", told.get("X0", ""), told.get("Delta_X", "")
+    if any(row[0].strip() for row in rows):
+        step = ""
+    for (line, names), (below, cells) in itertools.pairwise(above):
+        k = names.index("Increment") if "Increment" in names else 0
+        if k > 1 and names[k - 1] == "Start" and len(cells) > k:
+            name, start, step = names[0], cells[k - 1], cells[k]
+            cut = {line: names[: k - 1], below: cells[: k - 1]}
+            above = [(line, cut.get(line, cells)) for line, cells in above]
+            break
+    first, every = number_of(start), number_of(step)
+    if not every or first is None or first != first:  # noqa: PLR0124 - NaN
+        return above, None
+    return above, (name, first, every)
+
+
 _Found = tuple[int, list[str], dict[str, str], tuple[int, ...]]
 
 
@@ -299,6 +348,8 @@ def _header(above: Sequence[tuple[int, list[str]]], rows: Sequence[Sequence[str]
     block: list[tuple[int, list[str]]] = []
     for k, cells in reversed(above[-limits.PREAMBLE_LINES :]):
         full = _full(cells, width, empty)
+        if full is not None and full[1:] == [str(n) for n in range(1, width)] and not is_number(full[0]):
+            full = [full[0], *(f"channel {n}" for n in full[1:])]
         if full is None or any(map(is_number, full)) or not any(full):
             break
         block.insert(0, (k, full))
@@ -317,7 +368,9 @@ def _header(above: Sequence[tuple[int, list[str]]], rows: Sequence[Sequence[str]
     for _, below in block[place + 1 :]:
         # Beside units some loggers say there what a column is: "Analog 1" of "Servo motor speed".
         units |= {
-            name: unit for name, cell in zip(names, below, strict=False) if (unit := _unit(cell) or cell)
+            name: unit
+            for name, cell in zip(names, below, strict=False)
+            if (unit := _unit(cell) or cell.strip("[]() "))
         }
     clocks = tuple(k for k, name in enumerate(names) if name == names[0])
     is_pairs = len(clocks) > 1 and all(_rises([row[k] for row in rows]) for k in clocks)
@@ -345,17 +398,11 @@ def _units_in(cells: Sequence[str]) -> int:
 
 def _is_unit(cell: str) -> bool:
     """Whether a cell is a unit and nothing else: "Angle (deg)" is a name."""
-    return bool(_unit(cell)) and _unit(cell) == cell.strip("[]() ")
+    return bool(as_unit(cell.strip("[]() ")))
 
 
 def _unit(cell: str) -> str:
     """The unit that a cell names, alone or in brackets; "" for none."""
     inside = _IN_BRACKETS.search(cell)
-    for text in (cell.strip("[]() "), inside[1] if inside else ""):
-        # "counts" needs a number of counts per turn to be converted, none to be one.
-        try:
-            parse_unit(text, "", 1.0)
-        except InputError:
-            continue
-        return text
-    return ""
+    # "counts" needs a number of counts per turn to be converted, none to be one.
+    return as_unit(cell.strip("[]() ")) or as_unit(inside[1] if inside else "")
