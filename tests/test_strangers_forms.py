@@ -391,6 +391,8 @@ def test_a_resolution_is_a_unit() -> None:
         ("phase_current_a", "current", "", "other"), ("psu_current_A", "supply", "A", ""),
         ("Axis_1.StatusDrive.ActualTorque", "torque", "", "measured"), ("simout(:,1)", "", "", ""),
         ("Prędkość", "speed", "", ""), ("hız", "speed", "", ""), ("전류", "current", "", ""),
+        ("omega_e", "speed", "", "electrical"), ("counts", "angle", "counts", ""),
+        ("Torque actual value [per thousand]", "torque", "‰", "measured"),
     ],
 )  # fmt: skip
 def test_names_of_tools_and_languages(name: str, quantity: str, unit: str, role: str) -> None:
