@@ -72,7 +72,8 @@ _ROLES = {
     " setpoint setvalue setpos setvelo settorque desired des soll sollwert demand demanded des wanted"
     " request requested req planned plan trajectory traj profile nominal action actions ctrl inputpos"
     " inputvel controllerinput consigne consigna referencia riferimento 目标 目標 指令 给定",
-    "electrical": "erpm electrical elec elangle eangle eltheta thetae thetael phie omegae omegael we elspeed elektrisch elektrische",
+    "electrical": "erpm electrical elec elangle eangle eltheta thetae thetael phie omegae omegael we"
+    " elspeed elektrisch elektrische",
     "filtered": "filtered filt averaged avg smoothed smooth lowpass clean gefiltert",
     "estimated": "estimate estimated est hat observer observed obs kalman ekf ukf",
     "measured": "measured mess gemessen meas measurement mes actual act feedback fb fbk ist istwert sensed"
@@ -109,8 +110,8 @@ _SPELLINGS = {
     "mnm": "mNm", "ma": "mA", "mv": "mV", "degc": "degC", "c": "degC",
     "celsius": "degC", "°c": "degC", "sec": "s", "seconds": "s", "msec": "ms", "usec": "us", "µs": "us",
     "pct": "%", "percent": "%", "prozent": "%",
-    "% rated": "%", "% of rated": "%", "% of max": "%", "‰": "‰", "permille": "‰", "per mille": "‰", "per thousand": "‰",
-    "promille": "‰", "permil": "‰", "0.1%": "‰", "0.1 %": "‰", "1/1000": "‰", "hz": "rev/s",
+    "% rated": "%", "% of rated": "%", "% of max": "%", "‰": "‰", "permille": "‰", "per mille": "‰",
+    "per thousand": "‰", "promille": "‰", "permil": "‰", "0.1%": "‰", "0.1 %": "‰", "1/1000": "‰", "hz": "rev/s",
     "kmh": "km/h", "km_h": "km/h", "kph": "km/h", "km/h": "km/h", "m_min": "m/min", "mph": "mph",
     "aeff": "A", "arms": "A", "a rms": "A", "a_rms": "A", "veff": "V", "vrms": "V", "v rms": "V",
     "pu": "pu", "p.u.": "pu", "per unit": "pu",
