@@ -286,3 +286,34 @@ def test_a_burst_far_beyond_the_noise_is_explained(also: float, floor: float, ex
     assert found.worth_it(base, after, other)
     assert not beats_chance(other, base, after)
     assert found.explains(base, after) == explained
+
+
+def in_orders(family: str, beyond: float = 0.0) -> list[Candidate]:
+    """Columns 2 and 3 as two orders of a family, the second one with a part of column 4."""
+    members = {"72": ({2: 1.0}, 720.0), "18": ({3: 1.0, 4: beyond}, 180.0)}
+    return [
+        replace(candidate(family, column, member=member, repeats=True), periods=periods)
+        for member, (column, periods) in members.items()
+    ]
+
+
+@pytest.mark.parametrize(("short", "second"), [(0.99, "friction[18]"), (1.01, "cogging[18]")])
+def test_another_order_of_what_is_there_is_likelier_than_another_cause(short: float, second: str) -> None:
+    """A motor that hardly turns back: friction with the angle explains what cogging does, and a little more.
+
+    Of the gain of a column 3 + s 4 the column 3 alone has the part 1/(1 + s^2), here just below and above
+    `ONE_CAUSE`; the deviance, N log(1 + 4 s^2), is clear in both.
+    """
+    s = math.sqrt(1.0 / (short * limits.ONE_CAUSE) - 1.0)
+    found = search({2: 4.0, 3: 2.0, 4: 2.0 * s}, *in_orders("cogging"), in_orders("friction", s)[1])
+
+    assert {*adopted(found)} == {"cogging[72]", second}
+
+
+def test_another_cause_that_does_the_same_stays_open() -> None:
+    """A motor that never turns back: one of both orders may be friction with the angle."""
+    first, second = in_orders("cogging")
+    found = search({2: 4.0, 3: 2.0}, first, second, in_orders("friction")[1])
+
+    assert adopted(found) == ["cogging[72]", "cogging[18]"]
+    assert [{"cogging"}, {"cogging", "friction"}] == [{*options} for options in found.alternatives]

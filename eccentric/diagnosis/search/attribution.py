@@ -304,7 +304,13 @@ class Search:
             if other not in self.best.families
             and other not in self._agreeing(place)
             and not aliased(variant.candidate, fitted.last)
-            and len(fitted.coefficients) == len(self.best.coefficients)
+            and self._alike(fitted, variant)
+        )
+
+    def _alike(self, fitted: Fitted, variant: Variant) -> bool:
+        """Whether a model with another effect in the place of an adopted one fits and predicts as well."""
+        return (
+            len(fitted.coefficients) == len(self.best.coefficients)
             and len(fitted.last.shapes) == len(variant.candidate.shapes)
             and np.allclose(fitted.cross, self.best.cross, rtol=limits.SAME, atol=0.0)
         )
@@ -410,6 +416,7 @@ class Search:
                 better = family not in rivals or fitted.score < rivals[family][1].score
                 if better and (fitted.score > self.best.score or self.confirmed(fitted)):
                     rivals[family] = (fitted.variants[-1], fitted)
+            rivals = self._of_one_cause(place, rivals)
             log = {
                 family: _log_evidence(own, fitted, effective)
                 + limits.SPECIAL * any(general in rivals for general in own.candidate.evidence.special_of)
@@ -423,6 +430,28 @@ class Search:
             weight = {family: float(np.exp(value - log[first])) for family, value in log.items()}
             total = sum(weight.values())
             self.alternatives.append({f: (weight[f] / total, fitted) for f, (_, fitted) in rivals.items()})
+
+    def _of_one_cause(
+        self, place: int, rivals: dict[str, tuple[Variant, Fitted]]
+    ) -> dict[str, tuple[Variant, Fitted]]:
+        """The rivals for a place, without another cause where one that is there explains it by another order.
+
+        A motor that hardly turns back shows its cogging at several orders, and friction that varies with the
+        angle would be a second cause for one of them. One that does exactly what it does remains open.
+        """
+        others, own = self.screen.fit(_without(self.best, place)), self.best.variants[place]
+        gain = {family: others.score - fitted.score for family, (_, fitted) in rivals.items()}
+        most, period = limits.ONE_CAUSE * max(gain.values()), own.candidate.periods
+        again = {
+            family
+            for family, (rival, _) in rivals.items()
+            if family in others.families
+            and gain[family] > most
+            and rival.candidate.periods == period < math.inf
+        }
+        if own.candidate.family in again:
+            again |= {family for family, (_, fitted) in rivals.items() if self._alike(fitted, own)}
+        return {family: rivals[family] for family in again} or rivals
 
 
 def aliased(one: Candidate, other: Candidate) -> bool:

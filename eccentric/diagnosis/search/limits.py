@@ -67,6 +67,8 @@ SURE = 0.8
 a third family tied with both reduces it to less."""
 SPECIAL = 2.0
 """Log-odds of a special case over the family that contains it: it explains as much with fewer parameters."""
+ONE_CAUSE = 0.95
+"""Part of the gain of a further effect that another order of an adopted one must have to take its place."""
 POSSIBLE = 0.05
 """Least probability of a family that counts as explaining the log equally well."""
 DIVERGED = 10.0
