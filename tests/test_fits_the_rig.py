@@ -177,15 +177,20 @@ def test_ripple_does_not_excuse_a_wrong_sign_or_unit(factor: float) -> None:
     assert not fitted.fits_the_rig
 
 
-def test_a_current_without_a_sign_is_named() -> None:
-    """A supply's current, positive whichever way the motor turns: one line says so, in both commands."""
+@pytest.mark.parametrize("more", [0.0, 0.15])
+def test_a_current_without_a_sign_is_named(more: float) -> None:
+    """A supply's current, positive whichever way the motor turns, and `more` in one: one line says so.
+
+    In case C1 the rig has no load that would account for one sign.
+    """
     rng, rows = np.random.default_rng(1), np.arange(250)
+    forwards = np.repeat(np.arange(10) % 2 == 0, 250)
     runs = [(-1.0) ** k * np.radians(60.0 + 10.0 * k) for k in range(10)]
     log = {
         "run": np.repeat(np.arange(10.0), 250),
         "time_s": np.tile(rows * 0.008, 10),
         "theta_m_rad": np.concatenate([w * rows * 0.008 for w in runs]),
-        "current_A": 0.3 + 0.02 * rng.standard_normal(2500),
+        "current_A": 0.3 + more * forwards + 0.02 * rng.standard_normal(2500),
     }
     rig = read_rig({"drive": "current", "moving_threshold_rad_s": 0.3, "known": {**BARE, "k_i": "1 N m/A"}})
     found = diagnose([read_log(log)], rig)
