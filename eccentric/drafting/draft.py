@@ -171,11 +171,7 @@ def draft_of(log: Log) -> Draft:
     drives = _beside_supply(_beside_sensor(drives, [left[n] for n in of_none]), supply, left)
     drives, balances = _with_duty(drives, balances, voltage, grid, motion, left, lasting=angle is not None)
     if not drives and not any(c is not None and c.name.quantity for c in (angle, speed)):
-        raise InputError(
-            log.path,
-            problem="expected an angle or a speed, and a drive; no name says that a column is one"
-            f" ({few(left)}), and none follows another as a drive follows a motion",
-        )
+        raise _unnamed(log.path, few(left), drive=True)
     left_out = {n: why for n, why in left_out.items() if n not in {p.source for p in drives}}
     shown = Shown(
         time=clock.likely,
@@ -384,13 +380,23 @@ def _explaining(
         if balance is not None and balance.r2 > best[0]:
             best = (balance.r2, angle, speed)
     if best[0] < limits.SHOWN:
-        raise InputError(
-            where,
-            problem=f"expected an angle or a speed; no column looks like one"
-            f" ({few([c.text for c in could]) or 'all others have names of other quantities'})",
-            hint=hint,
-        )
+        raise _unnamed(where, few([c.text for c in could]), hint)
     return best[1], best[2]
+
+
+def _unnamed(where: str, columns: str, hint: str = "", *, drive: bool = False) -> InputError:
+    """Neither names nor values show the motion, or a drive that follows it."""
+    return InputError(
+        where,
+        problem=f"expected an angle or a speed, and a drive; no name says that a column is one ({columns}), and"
+        " none follows another as a drive follows a motion"
+        if drive
+        else "expected an angle or a speed; no column looks like one"
+        f" ({columns or 'all others have names of other quantities'})",
+        hint=hint
+        or "name the columns in the file, as in angle [deg] and speed [rpm]: without a drive that follows"
+        ' them, as in a coast-down (drive = "none"), only names show which is which',
+    )
 
 
 def _without_copies(
