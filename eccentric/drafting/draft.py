@@ -388,8 +388,8 @@ def _unnamed(where: str, columns: str, hint: str = "", *, drive: bool = False) -
     """Neither names nor values show the motion, or a drive that follows it."""
     return InputError(
         where,
-        problem=f"expected an angle or a speed, and a drive; no name says that a column is one ({columns}), and"
-        " none follows another as a drive follows a motion"
+        problem="expected an angle or a speed, and a drive; no name says that a column is one"
+        f" ({columns}), and none follows another as a drive follows a motion"
         if drive
         else "expected an angle or a speed; no column looks like one"
         f" ({columns or 'all others have names of other quantities'})",
