@@ -56,9 +56,6 @@ from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
 from eccentric.signals import Band, Channels, Rows, read_channels, read_long
 
-# What a diagnosis found.
-
-
 BASE = "base.py"
 """Name of the script beside model.py that has the base model, where it was given as an object."""
 

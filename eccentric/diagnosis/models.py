@@ -208,9 +208,6 @@ def confirms(scored: Score, models: Models, data: FitData) -> bool:
     return score(models.linear, models.paper_unbounded, models.extended, scored.balance, over_runs).confirms
 
 
-# Models that ship for the same case: whether one predicts better as it stands than what was found.
-
-
 @dataclass(frozen=True)
 class Sibling:
     """A shipped model that predicts the held-out part better.
@@ -261,9 +258,6 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
 def _case(model: Model) -> tuple[bool, bool]:
     """Whether gravity acts in the plane, and whether the plane is tilted: the same for models of one case."""
     return model.balance("mechanical").sum_of("gravity") != 0, model.tilted
-
-
-# The effect that comes closest where none is adopted, and what it takes out of the held-out error.
 
 
 @dataclass(frozen=True)
@@ -319,8 +313,6 @@ def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models
 
 
 # Estimates beside what is known from elsewhere: outside such a range, a name is not the whole story.
-
-
 @dataclass(frozen=True)
 class RangeCheck:
     """A figure of an effect beside the known range.

@@ -178,8 +178,6 @@ def leave_runs_out(base: Model, extended: Refit, data: FitData, bounds: bool = T
 # one frequency, and its order changes from speed to speed.  Each stretch of several turns has its own
 # spectrum (Lomb-Scargle, over the angle instead of time), so that no common zero of the angle is needed, as
 # it is for an effect: an angle integrated from the speed of each run is enough.
-
-
 TURN = 2.0 * np.pi
 _GRID = np.arange(limits.LOWEST_ORDER, limits.HIGHEST_ORDER, limits.ORDER_STEP)
 """Orders of the spectra."""

@@ -35,8 +35,6 @@ from eccentric.model import TURNING, AxisKind, Model
 from eccentric.model import vocabulary as v
 from eccentric.signals import LEAST_HELD_OUT, Channels, require_rows
 
-# What a person asked of the search: effects that the model has from the start, and what it may offer.
-
 
 @dataclass(frozen=True)
 class SearchRequest:
@@ -114,9 +112,6 @@ def _require_known(word: str, name: str, offered: Sequence[Effect]) -> None:
 
 
 Array = np.ndarray
-
-
-# A log, ready for a search.
 
 
 @dataclass(frozen=True)
@@ -257,9 +252,6 @@ def _require_supported(model: Model, channels: Channels) -> None:
         )
     if v.temperature.symbol in used and channels.temperature is None:
         raise InputError(name, problem="diagnose requires a temperature in the log, got none")
-
-
-# Recordings that differ: level of friction and gain of the drive, run by run, before they are pooled.
 
 
 def runs_that_differ(

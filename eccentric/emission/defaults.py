@@ -190,9 +190,6 @@ def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
     )
 
 
-# Names that are valid for files, a Python module and C functions.
-
-
 # The standard headers of C90 to C23 (ISO/IEC 9899, 7.1.2): a file with such a name would hide them.
 _HEADERS = """
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg

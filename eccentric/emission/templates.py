@@ -48,9 +48,6 @@ def template(name: str, *, page: bool = False) -> jinja2.Template:
     return _environment(page=page).get_template(f"{name}.jinja")
 
 
-# Titles, meanings and units, as comments and docstrings can hold them.
-
-
 def plain(text: str) -> str:
     """Free text that is safe in comments and docstrings: one line, no escape, no delimiter of C or Python."""
     line = "".join(c for c in " ".join(text.split()) if c.isprintable())

@@ -263,8 +263,6 @@ def _best(series: Series, fit: _Fitted, variance: float, prior: float) -> FleetC
 #
 # A trend has hardly any past: where it is too short, all periods are fitted together, with the shape of the
 # change in every coefficient.
-
-
 @dataclass(frozen=True)
 class Changed:
     """Explanation of a change by the sums of a joint.
@@ -375,9 +373,6 @@ def _least(rows: Sequence[tuple[Array, Array]], periods: Sequence[Period]) -> tu
     values = np.asarray(np.linalg.lstsq(x, y, rcond=None)[0], float)
     residual = y - x @ values
     return values, math.sqrt(float(residual @ residual) / sum(p.windows for p in periods))
-
-
-# Joints that cannot be judged, or whose result is doubtful: too few periods, or another joint's rig.
 
 
 _NEAR = "expected inertia and gravity near those of the rig"

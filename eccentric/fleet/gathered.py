@@ -40,14 +40,13 @@ from eccentric.fleet.work import (
 from eccentric.model import AXES, TURNING, AxisKind
 from eccentric.rigs import Rig, knowns_of, read_rig, rig_of
 
+
 # RIGS -> the rig of each joint: one rig file for all, or a table of joints with rig files and values.
 #
 # rigs.csv      joint,rig,M_kg,k_i_Nm_per_A     further columns are keys of [known]; empty: the file's value
 # rigs.toml     [joints.J7]  rig = "arm.toml"  known = { M = "1.2 kg" }
 #
 # Paths of rig files are relative to the table.
-
-
 class Assigned:
     """The rigs of a fleet, read on demand."""
 

@@ -151,9 +151,6 @@ def _together(parts: Sequence[Coverage]) -> Coverage:
     )
 
 
-# The temperature of each joint in each period; without a working sensor, that of the fleet.
-
-
 def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, float]], list[FleetProblem]]:
     """Joint -> period -> temperature [deg C], and stuck sensors.
 

@@ -38,9 +38,6 @@ from eccentric.fleet.sources import NO_RIG, OTHER_RIG, SCHEDULER, FleetProblem, 
 from eccentric.fleet.work import Sample, arrow_of, sample_of
 from eccentric.rigs import Rig
 
-# The explanation of a joint's drift in words: what changed, since when, how urgent it is.
-
-
 _KINDS = {
     "viscous": "viscous friction",
     "coulomb": "Coulomb friction",

@@ -17,9 +17,6 @@ from pathlib import Path
 
 from eccentric.core import InputError, given_path, so_more
 
-# Problems, one row each: the run continues, and its exit status reports that there are some.
-
-
 NOT_GROUPED = "not grouped"
 """Kind of problem: a file that belongs to no joint or period."""
 NO_RIG = "no rig"

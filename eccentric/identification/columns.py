@@ -233,9 +233,6 @@ def _inertia_range(rig: Rig, machine: Machine) -> tuple[float, float]:
     return machine.inertia(low), machine.inertia(high)
 
 
-# The parameters of a model that its rig gives, and those that have a value without one.
-
-
 def own_letters(model: Model) -> dict[str, float]:
     """Parameters of a derivation or an effect that no rig knows, with their defaults, which hold."""
     # Every rig with a case has a tilt; a model without one may have another quantity of that name.
@@ -297,8 +294,6 @@ def load_letters(model: Model) -> set[str]:
 # Every column of the problem has a coefficient that is an expression in the letters.  A letter is
 # identifiable if its direction is in the row space of the Jacobian of those expressions: then no change of
 # the other letters compensates for a change of it.
-
-
 def identified_letters(
     coefficients: Sequence[Combination], fixed: Collection[str]
 ) -> tuple[list[str], list[str]]:

@@ -213,8 +213,6 @@ class Machine:
 # What a joint meets along a log from outside its own motor: the loads of its bearing, and the other joints.
 #
 # A single link has none of it: its loads follow from its own angle and velocity.
-
-
 @dataclass(frozen=True)
 class MetAlong:
     """Signals of a log (n,) that a model takes as inputs besides the motion of its motor.
@@ -245,8 +243,6 @@ class MetAlong:
 # have nothing above half of the log's rate. A torque that repeats faster, and the current that goes with
 # it, alias to slow ones that the acceleration never had: such rows neither show the torque nor contradict
 # it.
-
-
 def unresolved(
     terms: Sequence[Term], values: Mapping[str, float], omega_m: NDArray[np.float64], step_s: float
 ) -> list[tuple[tuple[str, ...], NDArray[np.bool_]]]:

@@ -245,9 +245,6 @@ def _in_full(expression: sp.Expr, definitions: tuple[tuple[sp.Symbol, sp.Expr], 
     return meaning(expression.xreplace(put_in))
 
 
-# Hidden states of a model along a log: solved at once where the update is affine, else sample by sample.
-
-
 def state_series(model: Model, signals: Signals, shape: Mapping[str, float]) -> dict[str, Array]:
     """Hidden states of a model along the log, from its start: name -> (samples,).
 

@@ -274,6 +274,11 @@ def deceleration_noise(drive: Drive, rows: Rows) -> float:
     return white_noise(every, rows.run[::2])
 
 
+Mask = NDArray[np.bool_]
+_IN_THE_MODEL: set[ColumnRole] = {"inertia", "load"}
+"""What the rig leaves open of parameters of the model; the rest is outside its module."""
+
+
 # Fit a model, extended or not, on its own emitted module: what is scored is what is shipped.
 #
 # The residual of the mechanical balance is linear in friction, in the coefficients of effects and in what the
@@ -283,13 +288,6 @@ def deceleration_noise(drive: Drive, rows: Rows) -> float:
 #
 # If only one signal measures the drive, effects of the current use the one that the model predicts,
 # (torque - residual)/k_i of the previous step: with the measured one the drive would explain itself.
-
-
-Mask = NDArray[np.bool_]
-_IN_THE_MODEL: set[ColumnRole] = {"inertia", "load"}
-"""What the rig leaves open of parameters of the model; the rest is outside its module."""
-
-
 @dataclass(frozen=True)
 class Point:
     """The state of an iteration: every parameter of the model, scale and offset of the drive, zero angle.

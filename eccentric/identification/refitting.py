@@ -19,9 +19,6 @@ from eccentric.identification.uncertainty import TWO_SIDED, Estimate, rms
 from eccentric.model import Model
 from eccentric.signals import Band, band_of
 
-# The estimates of an extended model's fit, with uncertainty, and the share of each effect.
-
-
 Array = NDArray[np.float64]
 
 
@@ -240,9 +237,6 @@ def shares(fit: Extended, step: Step, base: Model) -> dict[str, float]:
         without = fit.residuals(point, model, kept).rows(balance, values)
         found[effect.id] = rms((without - whole.rows(balance, point.values))[rows]) / friction
     return found
-
-
-# The fit itself: solved, and what is asked of it afterwards.
 
 
 @dataclass(frozen=True)

@@ -86,9 +86,6 @@ def _part(x: float, name: str, *, first: bool) -> str:
     return f"{sign}{name}" if abs(abs(x) - 1.0) < LEAST_SHARE_IN_SUM else f"{sign}{abs(x):.4g} {name}"
 
 
-# The inertial parameters of a chain as numbers, and those of a body as a matrix; `letters_of` names them.
-
-
 _UPPER = [(a, b) for a in range(3) for b in range(a, 3)]
 COUNT = 10
 """Inertial parameters of a body: mass, three first moments, six second moments."""
@@ -126,9 +123,6 @@ def parameters_of(matrix: Array) -> Array:
     """The inverse of `matrix_of`: (..., 4, 4) to (..., 10)."""
     first = (matrix[..., a, 3] for a in range(3))
     return np.stack([matrix[..., 3, 3], *first, *(matrix[..., a, b] for a, b in _UPPER)], axis=-1)
-
-
-# Torques and loads of an arm's bodies along a log, from the emitted module.
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,9 @@ from eccentric.joints.base_parameters import (
 from eccentric.joints.limits import IN_ERRORS, LEAST_EIGENVALUE, PROJECTIONS, TIGHTEST
 from eccentric.model import letters_of
 
+Array = NDArray[np.float64]
+
+
 # Physically consistent bodies with given base parameters: the nearest to those of the arm file.
 #
 # Mass is positive, and so is the pseudo-inertia matrix [[Sigma, h], [h, m]] of any mass distribution. Base
@@ -43,11 +46,6 @@ from eccentric.model import letters_of
 #
 # Reference: P. M. Wensing, S. Kim and J.-J. E. Slotine, "Linear matrix inequalities for physically consistent
 # inertial parameter identification", IEEE Robotics and Automation Letters 3(1), 2018.
-
-
-Array = NDArray[np.float64]
-
-
 @dataclass(frozen=True)
 class PossibleBodies:
     """Physically consistent bodies.

@@ -208,8 +208,6 @@ def _in_an_arm(diagnosis: Diagnosis) -> Diagnosis:
 #
 # The inputs of a joint model (`joint_model` with its identified effects) are torques and loads of the joint.
 # Here the recursion of the chain replaces them, and all other names of the joint get its number.
-
-
 _OF_THE_ARM = frozenset({"drive", "inertial", "bodies", "gravity"})
 """Kinds of terms of a joint that the recursion already has."""
 _OF_THE_CHAIN = frozenset({v.mu.symbol, v.F_N.symbol})

@@ -36,15 +36,13 @@ from eccentric.model import Load, Role
 from eccentric.rigs import ArmRig, NamedHoldout
 from eccentric.signals import LEAST_HELD_OUT, Rows, read_joints, require_rows
 
+Array = NDArray[np.float64]
+
+
 # Selection of the loads that a joint's friction depends on, on the training part.
 #
 # The loads compete as effects do in a diagnosis: blocked cross-validation, a required gain per addition,
 # stability in resampled logs. Correlated loads may explain a log equally well.
-
-
-Array = NDArray[np.float64]
-
-
 @dataclass(frozen=True)
 class LoadsOfAJoint:
     """Load dependence of a joint's friction, from the training part.
@@ -318,8 +316,6 @@ def gain_of(drive: Drive) -> str:
 #
 # Friction and bodies are fixed at the fitted values. A payload is a body in the frame of the last joint; its
 # torques are linear in its ten inertial parameters, only some of which are identifiable from the runs.
-
-
 @dataclass(frozen=True)
 class ForeignRuns:
     """Runs that were not used in a fit, predicted by it.

@@ -34,8 +34,6 @@ from eccentric.model.steps import (
     Shrunk,
 )
 
-# The law in a derivation.
-
 
 def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = None) -> tuple[Equation, ...]:
     """The equations of friction at rest, for friction that is linear in the velocity at a given F_N.
@@ -132,9 +130,6 @@ def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = 
             ),
         ),
     )
-
-
-# The levels of a model.
 
 
 _SPEED = sp.Symbol("speed_of_motor", positive=True)
@@ -289,9 +284,6 @@ def _split(value: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
         else:
             dry.append(addend)
     return sp.Add(*dry), sp.Add(*viscous)
-
-
-# Emitted functions: the levels, and one time step of a drive between them.
 
 
 def budget(dry: Levels, omega_m: sp.Symbol = v.omega_m.symbol) -> tuple[tuple[str, sp.Expr], ...]:

@@ -31,9 +31,6 @@ from eccentric.planning.limits import (
 )
 from eccentric.rigs import plain_entries, read_pair
 
-# Limits of a motion, motor side: a table of a TOML or JSON file, or an equivalent mapping.
-
-
 FORCE = "force_N"
 """Key for a carriage whose log has a force: replaces the current limit."""
 UNITS = {

@@ -28,8 +28,6 @@ from eccentric.model import Model
 from eccentric.planning.limits import LEAST_CHANCE
 from eccentric.rigs import Rig
 
-# The candidates a diagnosis left open: fits that explain its log equally well, with their probabilities.
-
 
 @dataclass(frozen=True)
 class Rival:

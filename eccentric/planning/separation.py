@@ -47,6 +47,9 @@ from eccentric.planning.question import Question, Rival, rival_of
 from eccentric.rigs import AddedMass
 from eccentric.signals import Rows, white_noise
 
+Floats = NDArray[np.floating]
+
+
 # The motion of a drive that differs slightly from the fitted one: extremes of angle, speed and current.
 #
 # A reference within the limits does not guarantee a motion within them: a speed loop lags behind a ramp and
@@ -55,11 +58,6 @@ from eccentric.signals import Rows, white_noise
 # both directions. It is tuned for the fitted inertia, also if a mass is added for one log. Dry friction
 # sticks below its level. Load and friction are taken along the reference, from which the drive deviates
 # little.
-
-
-Floats = NDArray[np.floating]
-
-
 @dataclass(frozen=True)
 class Met:
     """Inertia and external torques of a drive along a motion, motor side.
@@ -160,9 +158,6 @@ def _size(motion: Reference, friction: Floats) -> Floats:
 
 
 Array = np.ndarray
-
-
-# The distance of two rivals.
 
 
 class Sums(NamedTuple):

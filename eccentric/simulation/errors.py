@@ -220,9 +220,6 @@ def is_finite(value: float | None) -> bool:
     return value is not None and math.isfinite(value)
 
 
-# A fitted model on any log of its rig: the drive that it predicts, and what it leaves.
-
-
 @dataclass(frozen=True)
 class Predicted:
     """Measured and predicted drive on the rows (m,) of a log, in `unit`.

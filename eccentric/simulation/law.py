@@ -21,12 +21,11 @@ from eccentric.model import KINDS, Model, cached, function_of, levels, meaning
 from eccentric.model import vocabulary as v
 from eccentric.simulation.limits import LEAST_DECAY
 
+
 # NumPy's functions of one number, for a drive that is stepped in Python floats: faster than arrays of one.
 #
 # Arithmetic and square roots are exact to the last bit either way. All other functions are NumPy's own, which
 # have the same value for a number and in an array; Python's may differ in the last bit.
-
-
 def _select(conditions: Sequence[bool], values: Sequence[float], default: float = math.nan) -> float:
     return next((x for x, holds in zip(values, conditions, strict=True) if holds), default)
 

@@ -151,9 +151,6 @@ def _changes_armature(fitted: Refit) -> bool:
     return added or not used.isdisjoint(model.replaced.values())
 
 
-# The controller of a rig in a simulation: its drive signal from the set point of the log and the state.
-
-
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 

@@ -257,9 +257,6 @@ def _shape(way: str, joint: FleetJoint, link: Array, omega: Array, normal: Array
     return 2.0 * np.exp(-((omega / (0.25 * np.sqrt(np.mean(omega**2)))) ** 2))
 
 
-# FleetPlan -> a folder: logs/joint=.../month=.../log.parquet, rigs.csv, rig files, truth.json (sealed).
-
-
 _RIG = """# A kind of joint of the fleet; values of their own are in rigs.csv.
 drive = "current"
 encoder_counts_per_rev = 32768

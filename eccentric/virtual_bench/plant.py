@@ -100,9 +100,6 @@ class Plant:
         return {name: getattr(self, name) for name in ("C_m", "B_m", "C_lN", "B_lN", "gamma_T", "beta_T")}
 
 
-# The motion of the rig at one simulation step, for the effects' laws.
-
-
 @dataclass(slots=True, eq=False)
 class Motion:
     """The motion of the rig at this step, for the effects' laws; torques in N m on the motor side."""

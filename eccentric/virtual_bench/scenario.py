@@ -24,8 +24,6 @@ from eccentric.virtual_bench.effects import (
 )
 from eccentric.virtual_bench.plant import Plant
 
-# The drive's reference speed, the held-out part of the log, and the control loop.
-
 
 @dataclass(frozen=True)
 class Course:
@@ -120,9 +118,6 @@ def sum_of_sines(rng: np.random.Generator, seconds: float, top_speed: float) -> 
         frequencies=tuple(np.round(frequencies, 4).tolist()),
         phases=tuple(np.round(phases, 4).tolist()),
     )
-
-
-# The servo drive: encoder, filtered velocity, PI speed controller, bus.
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,10 @@ from eccentric.virtual_bench.effects import Law, PlantedEffect
 from eccentric.virtual_bench.plant import Motion, Plant
 from eccentric.virtual_bench.scenario import Scenario, servo, supply
 
+BoundLaw = tuple[str, PlantedEffect, Law]
+"""A port, the effect that acts there, and its law with fresh memory."""
+
+
 # One step of the rig's motion: second order in time while moving, exact while sticking.
 #
 # (J_m + mu^2 J_l) dw/dt + G(theta) + (b + k_i k_e / R) w + c Sgn(w) + effects = k_i u / R
@@ -27,12 +31,6 @@ from eccentric.virtual_bench.scenario import Scenario, servo, supply
 #
 # whose unique solution is a soft threshold. A link below its Coulomb level is therefore exactly at rest,
 # without tanh, creep or event search.
-
-
-BoundLaw = tuple[str, PlantedEffect, Law]
-"""A port, the effect that acts there, and its law with fresh memory."""
-
-
 def laws(effects: Sequence[PlantedEffect]) -> list[BoundLaw]:
     """All laws of the effects with ports and fresh memory, in the order of `Motion.acting`."""
     return [(port, effect, law) for effect in effects for port, law in effect.start().items()]

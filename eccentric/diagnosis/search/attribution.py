@@ -441,9 +441,6 @@ def _without(fitted: Fitted, place: int) -> list[Variant]:
     return [variant for k, variant in enumerate(fitted.variants) if k != place]
 
 
-# Which of a few candidates a balance needs, without smooth terms: the loads that friction may follow.
-
-
 @dataclass(frozen=True)
 class LoadSearch:
     """What was found.

@@ -184,8 +184,6 @@ def bounds_of(candidate: Candidate, width: int) -> Array:
 #
 # The coefficients are eliminated, as in the variable projection of G. H. Golub and V. Pereyra (SIAM Journal
 # on Numerical Analysis 10(2), 1973), so that only the shapes are searched.
-
-
 def refined(
     variants: Sequence[Variant], residual: Callable[[Sequence[Variant]], Array], steps: int
 ) -> list[Variant]:
@@ -265,8 +263,6 @@ def _place(shape: Shape, values: Values) -> float:
 #
 # They compete with the physical candidates in the same cross-validation: no physical effect explains what
 # they still remove from a residual.
-
-
 @dataclass(frozen=True)
 class Variables:
     """What a residual may depend on: smooth signals (samples,), None where a log has none.

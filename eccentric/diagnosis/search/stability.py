@@ -253,8 +253,6 @@ def _means_of_two(rows: Array, block: Array) -> tuple[Array, Array]:
 #
 # Reference: R. Davidson, E. Flachaire, "The wild bootstrap, tamed at last", Journal of Econometrics 146(1),
 # 2008 (signs at random, on the residuals of the smaller model).
-
-
 def flipped_null(residual: Array, columns: Array, block: Array) -> Array:
     """Largest single-column gain, in units of the residual's variance, under random signs per block (DRAWS,).
 

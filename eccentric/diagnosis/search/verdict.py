@@ -26,8 +26,6 @@ from eccentric.effects import Words
 from eccentric.identification import BalanceDesign
 from eccentric.signals import MANY_RUNS
 
-# The measurement that would decide.
-
 
 @dataclass(frozen=True)
 class NextMeasurement:
@@ -62,9 +60,6 @@ def next_measurement(
     if verdict != "not_identifiable" or not tied:
         return None
     return NextMeasurement("separate", between=(tied[0], tied[1] if len(tied) > 1 else tied[0]))
-
-
-# The verdict.
 
 
 @dataclass(frozen=True)

@@ -265,9 +265,6 @@ def joint_deviations(rows: int, coefficients: int) -> float:
     return float(min(-ndtri(beyond / rows), math.sqrt(chdtri(coefficients, beyond))))
 
 
-# What the user asks of the estimator.
-
-
 MOST_SETTLE = 100_000
 LEAST_FORGETTING, LEAST_FALSE_ALARMS, MOST_FALSE_ALARMS = 0.9, 100.0, 1e10
 
@@ -316,8 +313,6 @@ class Adaptation:
 # change. Of all tests with the same mean time between false alarms, one sum with k at half the shift has the
 # least (Moustakides, Annals of Statistics 14, 1986): no test is below. That least delay grows as Lorden's
 # 2 ln(between)/shift^2 for ever rarer false alarms; at finite ones this leaves out a constant: no bound.
-
-
 _NODES = 200
 
 

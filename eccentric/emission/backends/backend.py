@@ -46,9 +46,6 @@ class Backend:
         return {template: file.format(name=name) for template, file in chosen.items()}
 
 
-# Spellings that back ends share: numbers, defaults, series, assignments; and programs with plain text.
-
-
 def with_plain_text(program: Program) -> Program:
     """The program, with all free text as returned by `plain`."""
 

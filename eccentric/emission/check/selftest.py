@@ -17,8 +17,6 @@ import numpy as np
 from eccentric.emission.program import ABSENT
 from eccentric.model import vocabulary as v
 
-# An emitted function as called by the checks.
-
 
 @dataclass(frozen=True)
 class Called:

@@ -246,9 +246,6 @@ _RULES = (
 )
 
 
-# How steep the compensation is: bounds of the budget, one assignment after the other.
-
-
 @dataclass(frozen=True)
 class Steepness:
     """Assignments name = formula, and the names of what the constants follow from.

@@ -232,8 +232,6 @@ def _of_one_sign(model: Model) -> bool:
 # last digits of the normal force, absolute for the cosine. The degree is the lowest with an error below a
 # fifth of a unit of the working precision. The stated error is that of the coefficients rounded to the
 # working precision.
-
-
 _DIGITS = 40  # ten of which are lost in solving the equations
 # The half angle is within a quarter turn, plus its own rounding, which in single precision is at most 2^-10
 # of half a turn (tests/test_polynomials.py): the error is that up to the latter edge.

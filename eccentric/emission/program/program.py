@@ -14,12 +14,11 @@ import sympy as sp
 
 from eccentric.model import TURNING, Assignment, AxisKind, Input, OpaqueStep, Quantity, needed
 
+
 # Primitive operations: the elements of lowered expressions, printed one to one by every back end.
 #
 # They keep their arguments unchanged; SymPy neither reorders nor simplifies them. So NumPy and C compute the
 # same bits.
-
-
 class Plus(OpaqueStep):
     """a + b."""
 
@@ -239,8 +238,6 @@ class Program:
 
 
 # Long assignments split into parts, so that every emitted line is readable (and formatters keep it).
-
-
 _WIDTH = 86  # characters of `target = value` as SymPy spells it, each symbol a little longer in C
 
 
@@ -321,8 +318,6 @@ def _longest_part(value: sp.Expr) -> sp.Expr | None:
 # velocity, the period of the motor angle) are computed this way from the parameters on: near the zero of
 # F_N the leading digits of speed and angle cancel against them, and the rest depends on the digits that
 # follow.
-
-
 def paired(program: Program) -> frozenset[sp.Symbol]:
     """The prepared values computed as pairs.
 

@@ -173,9 +173,6 @@ def _kind(role: Role, load: Load) -> Kind:
     return {Role.VISCOUS: "viscous", Role.COULOMB: "coulomb"}.get(role, "friction")  # pyright: ignore[reportReturnType]
 
 
-# Sums of a design as QR triangles, which stack: the R of stacked triangles is that of all rows.
-
-
 def dependent(triangle: Array) -> list[int]:
     """Columns of X that are zero or linearly dependent; empty if all are identifiable."""
     zero, together = inseparable(triangle[:, :-1], MEMBER_PART, NO_COLUMN)

@@ -39,17 +39,15 @@ from eccentric.signals import (
     weights_by_parts,
 )
 
+Array = NDArray[np.float64]
+
+
 # Evenly spaced samples -> means over smooth windows, with mean first and second derivative of the angle.
 #
 # Derivatives are integrated by parts (`weights_by_parts`), so that all terms of a balance J x'' + ... = tau
 # get the same average, and the angle is differentiated within its low pass. Windows are spaced by a quarter
 # of their length, so each sample is in 4 windows: the samples are split into quarters, multiplied by the
 # kernels in one matrix product, and four shifted products add up to the windows.
-
-
-Array = NDArray[np.float64]
-
-
 def share_of(low_pass_hz: float, step_s: float) -> int:
     """Samples between windows: a quarter of the window length for a cut-off [Hz] at a step [s]."""
     return max(LEAST_SHARE, round(WINDOW_PERIODS / low_pass_hz / SHARES / step_s))
@@ -91,9 +89,6 @@ def _kernels(share: int) -> Array:
     return weights_by_parts(place[None], half, (0, 1, 2), degree=3)[:, 0].T
 
 
-# The motion threshold of a file, from the speeds of all its windows, in constant memory.
-
-
 _EDGES = np.exp(np.arange(np.log(1e-9), np.log(1e9), np.log(SPEED_BIN)))
 
 
@@ -126,8 +121,6 @@ class Speeds:
 # Windows are then the same whatever the size of the batches. Unevenly sampled logs are interpolated linearly
 # on an even grid, which begins anew with each batch. Rows that are missing from an even grid are filled in
 # linearly, too, and no window with one of them is used.
-
-
 @dataclass(frozen=True)
 class Piece:
     """Samples (n,) of one stretch, `step` [s] apart, with `share` samples between windows.

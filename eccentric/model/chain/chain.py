@@ -124,9 +124,6 @@ def _short(entry: sp.Expr) -> sp.Expr:
     return exact(float(entry), "entry")
 
 
-# A chain with numbers in place of its symbols: their defaults.
-
-
 def with_numbers(chain: Chain) -> Chain:
     """The chain with every parameter replaced by its default; without parameters, the chain itself.
 
@@ -161,9 +158,6 @@ def _joint(joint: Joint, values: dict[sp.Symbol, Any]) -> Joint:
     place = numeric.placement
     place.position, place.rotation = _numbers(joint.placement, ("position", "rotation"), values)
     return numeric
-
-
-# The identity of an arm: gravity, and the name, placement, gear and rotor of every joint.
 
 
 _ALIKE = 1e-9

@@ -76,9 +76,6 @@ def with_letters(chain: Chain, name: str, *, rotors: bool = False) -> Chain:
     return Chain(name, joints, bodies, chain.gravity, None, (*chain.parameters, *letters))
 
 
-# A chain with the bodies replaced by identified moments of mass.
-
-
 _NOTHING = 1e-12
 """Relative size, by the largest of its kind on the arm, below which a value is a rounded zero."""
 _ROUNDED = 1e-6
@@ -177,8 +174,6 @@ def _require_possible(j: int, moments: Moments) -> None:
 # random motions: a column spanned by earlier ones is omitted, and its parameter added to theirs (base
 # parameters; M. Gautier, "Numerical calculation of the base inertial parameters of robots", J. Robotic
 # Systems 8(4), 1991).
-
-
 _MOTIONS = 8
 """Random motions per parameter: enough for full rank with margin."""
 _SPANNED = 1e-9

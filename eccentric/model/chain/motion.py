@@ -139,8 +139,6 @@ def turned(axis: int) -> Turned:
 # A point at rho in the frame of the body is accelerated by a + U rho. The force is the sum of this over the
 # mass, the moment about the origin that of rho x (a + U rho). Both are linear in the moments of mass: m, h
 # (first) and Sigma (second).
-
-
 m = sp.Symbol("m", real=True)
 h, rho = letters("h"), letters("rho")
 Sigma = sp.ImmutableMatrix(
@@ -202,9 +200,6 @@ def rotor(axis: int) -> sp.ImmutableMatrix:
     return sp.ImmutableMatrix(
         beyond.applyfunc(lambda entry: sp.factor(pythagoras(entry, angle)).subs(across, J_m / 2))
     )
-
-
-# The recursion as a list of named scalars: each value is defined once, trivial ones get no name.
 
 
 class Steps:

@@ -385,9 +385,6 @@ def _expressions(results: _Results, definitions: tuple[Assignment, ...]) -> Expr
     return Expressions(tuple((label, _with_held_ratios(e)) for label, e in results), definitions)
 
 
-# Stable steps: sine and cosine of a joint by those of its half angle, as for one joint.
-
-
 def _stable(recursion: Recursion, model: Model, definitions: Iterable[Assignment]) -> tuple[Assignment, ...]:
     """The definitions in stable steps, with plain formulas where they depend on parameters only."""
     half_turned: dict[sp.Expr, sp.Expr] = {}

@@ -20,8 +20,6 @@ from eccentric.model.chain.motion import AXES, Steps, substituted
 from eccentric.model.quantity import Definition, Quantity, quantity
 from eccentric.model.steps import Magnitude
 
-# Outwards: the motion of a body from that of its parent, by the formulas of `motion`.
-
 
 @dataclass(frozen=True)
 class Inputs:
@@ -136,9 +134,6 @@ def _turning(steps: Steps, j: int, w: sp.ImmutableMatrix, alpha: sp.ImmutableMat
     return sp.ImmutableMatrix(3, 3, named)
 
 
-# Bearing loads and transmitted torque of a joint: the loads that friction depends on.
-
-
 @dataclass(frozen=True)
 class Bearing:
     """The loads of one joint.
@@ -198,9 +193,6 @@ def magnitude(components: list[sp.Expr]) -> sp.Expr:
     for component in nonzero[1:]:
         norm = Magnitude(norm, component)
     return norm
-
-
-# Inwards: the force and moment of every joint, by the formulas of `motion`.
 
 
 ZERO = sp.ImmutableMatrix([0, 0, 0])
@@ -375,9 +367,6 @@ def recursion(chain: Chain) -> Recursion:
         for j, (link, parent) in enumerate(zip(links, inner, strict=True))
     )
     return Recursion(chain, inputs, tuple(steps.definitions), tuple(moving), wrenches, bearings, rotors)
-
-
-# The chain at rest: the gravity torques.
 
 
 def at_rest(found: Recursion) -> tuple[tuple[Definition, ...], tuple[sp.Expr, ...]]:

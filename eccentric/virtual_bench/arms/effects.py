@@ -27,8 +27,6 @@ from eccentric.virtual_bench.effects import (
 )
 from eccentric.virtual_bench.plant import Motion, Plant
 
-# The motion of one joint of an arm, for the laws of its effects.
-
 
 @dataclass(slots=True, eq=False)
 class JointMotion(Motion):
@@ -153,9 +151,6 @@ ARM_VARIANTS: dict[str, tuple[str, ...]] = {
 """Variants of a family; one without an entry has none."""
 
 
-# Requests to the bench for arms: families with joints and strengths.
-
-
 STRENGTH = 0.15
 
 
@@ -186,9 +181,6 @@ def known_joint_effect(name: str) -> tuple[str, str | None, int | None]:
     match = re.fullmatch(r"(\w+)(?:\[(.+?)\])?(?:@(\d+))?", name)
     family, variant = known_family(name, match, ARM_EFFECTS, ARM_VARIANTS)
     return family, variant, int(match[3]) if match and match[3] else None
-
-
-# An effect acting in a joint, in addition to the joint's friction.
 
 
 SMOOTH = 0.003

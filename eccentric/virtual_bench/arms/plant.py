@@ -93,9 +93,6 @@ class BenchArm:
         return np.array([getattr(link, letter) for link in self.links])
 
 
-# Friction of all joints in closed form: a level opposing the motion, and a viscous part.
-
-
 class FrictionLaw:
     """The friction of `JointFriction` on the joint side: both parts over mu, with velocity over mu."""
 
@@ -129,8 +126,6 @@ class FrictionLaw:
 # so that the mass matrix gains J_m/mu e_j . e_k for every joint k before j. The moment is passed to MuJoCo as
 # an external one, and is then part of the loads of the joints nearer to the base. This is cheaper than rotors
 # as separate bodies, whose constraints MuJoCo solves only to a tolerance.
-
-
 @dataclass(frozen=True)
 class JointLoads:
     """Joint loads in one or several configurations of the arm.
@@ -288,9 +283,6 @@ def _quaternion(rpy: Vector) -> tuple[float, float, float, float]:
 
 def _text(numbers: tuple[float, ...]) -> str:
     return " ".join(repr(float(x)) for x in numbers)
-
-
-# Loads and torques of an arm along its reference, with perfect tracking.
 
 
 SURVEY_S = 0.02

@@ -12,9 +12,6 @@ from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, JointFrictio
 from eccentric.virtual_bench.arms.trajectory import ArmCourse, ArmServo, harmonic_course, sweep_course
 from eccentric.virtual_bench.effects import Requested, check_values
 
-# Plausible random arms: two links in a vertical plane, three joints, six joints.
-
-
 KINDS = ("2r", "3", "6")
 _RIGHT = pi / 2.0
 # Rolls of the joint frames: a robot with three parallel axes, and one with a spherical wrist.

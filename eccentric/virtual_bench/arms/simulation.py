@@ -233,12 +233,6 @@ def _effect_rows(acting: list[list[Acting]]) -> tuple[list[list[float]], list[li
     )
 
 
-# ArmTrace -> the log as recorded by the drives, its rig, the declared arm, and the sealed truth.
-
-
-# Drive temperatures: as simulated for drives with an effect, from the losses for the others.
-
-
 def logs_temperature(effects: Sequence[JointEffect]) -> bool:
     """Whether the log has a temperature of every drive: if an effect needs it."""
     return any(one.effect.needs_temperature for one in effects)
@@ -385,9 +379,6 @@ def _beyond(scenario: ArmScenario, recorded: ArmTrace, k: int) -> float:
     base = base[:, size > 1e-9] / size[size > 1e-9]
     coefficients, *_ = np.linalg.lstsq(base, torque, rcond=1e-9)
     return float(rms(torque - base @ coefficients) / rms(recorded.friction[rows, j]))
-
-
-# ArmRun -> LOG.csv.gz, LOG.toml (the rig), LOG.arm.toml and LOG.truth.json (sealed).
 
 
 _BESIDE = (".toml", ".arm.toml", ".truth.json")

@@ -106,9 +106,6 @@ def sweep_course(
     return ArmCourse("runs", runs, seconds, home, top, size, np.zeros_like(size), start, ramp)
 
 
-# The servo drives of an arm: encoders on the motors, position and velocity loops, motor currents.
-
-
 @dataclass(frozen=True)
 class ArmServo:
     """Measurement and control of the drives, one entry per joint.

@@ -201,9 +201,6 @@ def backlash(request: Request) -> PlantedEffect:
     )
 
 
-# Effects with memory: hidden states.
-
-
 _MICRO_DAMPING_S = 0.01  # sigma_1/sigma_0 of the bristles
 
 

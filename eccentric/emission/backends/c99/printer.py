@@ -65,8 +65,6 @@ def language(program: Program, calls: dict[str, str], symbol: Callable[[str], st
 
 
 # The coefficients of the default parameters, computed in mpmath, so that the target need not.
-
-
 NOT_GIVEN = "ECCENTRIC_NOT_GIVEN"
 """What a parameter without a default is until it is set: no NaN, which checkers of C take for an error."""
 LARGEST_SINGLE = mpmath.mpf(2) ** 128
@@ -191,9 +189,6 @@ def _decimal(value: mpmath.mpf, digits: int) -> str:
     return text if any(mark in text for mark in ".en") else f"{text}.0"
 
 
-# Printing of expressions in pairs of doubles: nested calls of the pair functions.
-
-
 def pair_functions(program: Program) -> frozenset[str]:
     """The names of the pair functions that `pair_text` calls for the program."""
     found: set[str] = set()
@@ -246,9 +241,6 @@ def pair_text(e: sp.Expr, pairs: frozenset[sp.Symbol], plain: Language, call: Ca
     if e.is_Pow and e.exp.is_Integer:
         return f"{call('over')}({text(sp.Integer(1))}, {text(1 / e)})"
     return f"{call('exact')}({printed(e, plain)})"
-
-
-# Lines of C, with long ones broken.
 
 
 _WIDTH = 110

@@ -14,13 +14,12 @@ from eccentric.emission.backends.python.dialect import printed
 from eccentric.emission.program import TURN_BITS, Call, Helper, Program, Routine
 from eccentric.model import Assignment, Input
 
+
 # A routine in stages: the angle, what follows from it, the rest.
 #
 # Every operation on a sample waits for the one before it, some 150 cycles in all, and a processor's
 # look-ahead is limited. In stages of a third of the length, on a block of samples, it processes several at
 # once.
-
-
 @dataclass(frozen=True)
 class Staged:
     """The parts of a routine.

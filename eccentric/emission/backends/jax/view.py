@@ -37,9 +37,6 @@ from eccentric.emission.program import (
     paired,
 )
 
-# JAX as a dialect of Python, and programs that it differentiates.
-
-
 _NONZERO = sp.Symbol("nonzero")
 
 

@@ -22,9 +22,6 @@ from eccentric.emission.backends.python.dialect import (
 from eccentric.emission.backends.python.module import module, series, stepped
 from eccentric.emission.program import COSINE, SINE_RATIO, Program, TurnLeft
 
-# Expressions in pairs of doubles, as formulas of `runtime.Pair`.
-
-
 _SUM, _PRODUCT, _ATOM = range(3)
 
 
@@ -86,9 +83,6 @@ class _Formulas:
     @staticmethod
     def _held(text: str, own: int, level: int) -> str:
         return text if own >= level else f"({text})"
-
-
-# NumPy as a dialect of Python.
 
 
 def _broken(line: str) -> list[str]:

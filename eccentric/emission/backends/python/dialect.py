@@ -27,9 +27,6 @@ from eccentric.emission.program import (
 )
 from eccentric.model import steps
 
-# Printing: a lowered expression in Python or C, operation by operation, in the same order for both.
-
-
 _CHOICE, _SUM, _PRODUCT, _ATOM = 0, 1, 2, 3
 
 
@@ -259,8 +256,6 @@ ON_PARAMETERS = {
 
 
 # Lines that are not too long: a formula is broken before an operator that is in no bracket.
-
-
 WIDTH = 106  # behind the indentation of a function
 
 

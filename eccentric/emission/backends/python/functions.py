@@ -18,8 +18,6 @@ from eccentric.model import Assignment
 #
 # This works on printed lines. Two are equivalent if they do the same operations in the same order on
 # equivalent operands; names may differ from routine to routine.
-
-
 _HEAD = 5  # lines of a function besides its body
 _NAMELESS = re.compile(r"part_|result")
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
@@ -185,8 +183,6 @@ def _named(body: CodeBody, keys: Sequence[str]) -> list[tuple[str, str]]:
 # Formulas reassembled: a part of a formula that is used once is written where it is used.
 #
 # The parts were split for lines of C. Brackets keep the order of operations, and with it every bit.
-
-
 _WIDTH = 102  # of `target = text`
 _CHOICE, _SUM, _PRODUCT, _ATOM = range(4)
 _PART = re.compile(r"part_\d+")

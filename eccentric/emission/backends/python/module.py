@@ -11,8 +11,6 @@ from eccentric.emission.backends.python.functions import functions, quoted
 from eccentric.emission.program import Program, Routine, paired, polynomial
 from eccentric.model import Assignment, Quantity
 
-# `_prepare` of a module: values that depend on parameters only, as lines of Python.
-
 
 def prepare(program: Program, dialect: Dialect) -> list[str]:
     """The lines; a coefficient is an attribute of c, a parameter one of p, anything else a local name."""
