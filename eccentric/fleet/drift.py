@@ -265,23 +265,16 @@ def _best(series: Series, fit: _Fitted, variance: float, prior: float) -> FleetC
 # change in every coefficient.
 @dataclass(frozen=True)
 class Changed:
-    """Explanation of a change by the sums of a joint.
+    """Explanation of a change by the sums of a joint."""
 
-    `names` are the changed coefficients, strongest first, empty if none explains it; `kinds` their kinds.
-    `before` and `after` are RMS errors [N m, or N] of the recent periods: with the coefficients of the
-    past, and with the named ones refitted. `usual` is the error of the past's coefficients on the past,
-    `free` that of all coefficients fitted to the recent periods, `explained` the fraction of the new error
-    (squared) explained by the names; `level` is the mean friction torque of the past [N m, or N].
-    """
-
-    names: tuple[str, ...]
-    kinds: tuple[str, ...]
-    before: float
-    after: float
-    usual: float
-    free: float
-    explained: float
-    level: float
+    names: tuple[str, ...]  # the changed coefficients, strongest first, empty if none explains it
+    kinds: tuple[str, ...]  # their kinds
+    before: float  # RMS error of the recent periods with the coefficients of the past [N m, or N]
+    after: float  # the same with the named ones refitted
+    usual: float  # the error of the past's coefficients on the past
+    free: float  # that of all coefficients fitted to the recent periods
+    explained: float  # the fraction of the new error (squared) that the names explain
+    level: float  # the mean friction torque of the past [N m, or N]
 
     @property
     def matters(self) -> bool:

@@ -167,18 +167,15 @@ Progress = Callable[[float, str], None]
 
 @dataclass
 class Plan:
-    """The jobs by joint, the joints' rigs with content and digests, and the problems so far.
+    """The jobs by joint, the joints' rigs with content and digests, and the problems so far."""
 
-    `joints` are those with logs or sums; `reused` counts the files with cached sums.
-    """
-
-    joints: frozenset[str] = frozenset()
+    joints: frozenset[str] = frozenset()  # those with logs or sums
     jobs: dict[str, list[Job]] = field(default_factory=dict)
     rigs: dict[str, Rig] = field(default_factory=dict)
     contents: dict[str, Mapping[str, Any] | None] = field(default_factory=dict)
     recipes: dict[str, str] = field(default_factory=dict)
     problems: list[FleetProblem] = field(default_factory=list)
-    reused: int = 0
+    reused: int = 0  # files with cached sums
 
     @property
     def files(self) -> int:

@@ -34,18 +34,13 @@ _OF_RIGS = {known.name for known in KNOWNS}
 
 @dataclass(frozen=True, kw_only=True)
 class Combination(Coefficient):
-    """A coefficient of a fit in the paper's letters: what the rig leaves open of the scaled balance.
+    """A coefficient of a fit in the paper's letters: what the rig leaves open of the scaled balance."""
 
-    `expression` is its name, `meaning` its value in parameters, `letter` the coefficient without the scale,
-    `mechanical_unit` its unit. `parameter` is the parameter of the model that represents it when the fit is
-    emitted, "" for none.
-    """
-
-    expression: sp.Expr
-    meaning: sp.Expr
-    letter: str
-    mechanical_unit: str
-    parameter: str = ""
+    expression: sp.Expr  # its name
+    meaning: sp.Expr  # its value in parameters
+    letter: str  # the coefficient without the scale
+    mechanical_unit: str  # its unit
+    parameter: str = ""  # of the model, which represents it when the fit is emitted, "" for none
 
 
 def as_text(expression: sp.Expr) -> str:

@@ -274,7 +274,6 @@ def deceleration_noise(drive: Drive, rows: Rows) -> float:
     return white_noise(every, rows.run[::2])
 
 
-Mask = NDArray[np.bool_]
 _IN_THE_MODEL: set[ColumnRole] = {"inertia", "load"}
 """What the rig leaves open of parameters of the model; the rest is outside its module."""
 
@@ -290,16 +289,13 @@ _IN_THE_MODEL: set[ColumnRole] = {"inertia", "load"}
 # (torque - residual)/k_i of the previous step: with the measured one the drive would explain itself.
 @dataclass(frozen=True)
 class Point:
-    """The state of an iteration: every parameter of the model, scale and offset of the drive, zero angle.
-
-    `current` (samples,) [A at the scale] is the one that effects use; None for the measured one.
-    """
+    """The state of an iteration: every parameter of the model, scale and offset of the drive, zero angle."""
 
     values: Values
     scale: float | None
     offset: float = 0.0
     zero: float = 0.0
-    current: Array | None = None
+    current: Array | None = None  # (samples,) [A at the scale], which effects use; None for the measured one
 
 
 @dataclass(frozen=True)
@@ -318,17 +314,13 @@ class Step:
 
 @dataclass(frozen=True)
 class Extended:
-    """A base model with effects on a log, ready to be fitted.
-
-    groups: the friction coefficients, those of a group are one number; bounds: whether they are held within
-    theirs.
-    """
+    """A base model with effects on a log, ready to be fitted."""
 
     model: Model
     effects: tuple[tuple[Effect, Values], ...]
     data: FitData
-    groups: tuple[tuple[Coefficient, ...], ...]
-    bounds: bool
+    groups: tuple[tuple[Coefficient, ...], ...]  # the friction coefficients, those of a group are one number
+    bounds: bool  # whether they are held within theirs
 
     @property
     def shapes(self) -> Values:

@@ -26,14 +26,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BaseParameters:
-    """Columns that form a basis of a regressor.
+    """Columns that form a basis of a regressor."""
 
-    Attributes:
-        chosen: indices of the columns, in the order of the regressor (r,).
-        sums: (r, p): base parameters = sums @ inertial parameters; the columns of `chosen` are unit vectors.
-    """
-
-    chosen: tuple[int, ...]
+    chosen: tuple[int, ...]  # indices of the columns, in the order of the regressor (r,)
+    # (r, p): base parameters = sums @ inertial parameters; the columns of `chosen` are unit vectors
     sums: Array
 
     def words(self, names: Sequence[str]) -> list[str]:
@@ -142,19 +138,12 @@ class JointMotions:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Torques [N m, motor side] and bearing loads of one joint, each (n,).
+    """Torques [N m, motor side] and bearing loads of one joint, each (n,)."""
 
-    Attributes:
-        gravity: holding torque against gravity.
-        moving: inertial, centrifugal and Coriolis torque of the bodies.
-        rotor: torque to accelerate the motor's rotor.
-        F_N, F_T, M_B: loads of the bearing [N, N, N m], 0 where a guide has none.
-    """
-
-    gravity: Array
-    moving: Array
-    rotor: Array
-    F_N: Array
+    gravity: Array  # holding torque against gravity
+    moving: Array  # inertial, centrifugal and Coriolis torque of the bodies
+    rotor: Array  # torque to accelerate the motor's rotor
+    F_N: Array  # loads of the bearing [N, N, N m], 0 where a guide has none
     F_T: Array
     M_B: Array
 

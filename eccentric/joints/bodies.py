@@ -48,14 +48,10 @@ Array = NDArray[np.float64]
 # inertial parameter identification", IEEE Robotics and Automation Letters 3(1), 2018.
 @dataclass(frozen=True)
 class PossibleBodies:
-    """Physically consistent bodies.
+    """Physically consistent bodies."""
 
-    Attributes:
-        values: inertial parameters (joints, 10).
-        misfit: the largest deviation of their base parameters from the identified ones, in standard errors.
-    """
-
-    values: Array
+    values: Array  # inertial parameters (joints, 10)
+    # the largest deviation of their base parameters from the identified ones, in standard errors
     misfit: float
 
     @property
@@ -153,14 +149,11 @@ def identified_bodies(log: ArmLog) -> IdentifiedBodies | None:
 
 @dataclass(frozen=True)
 class Block:
-    """Rows of a joint: torque without the rotors' part, columns of inertial parameters and of friction.
-
-    `weight` is the inverse RMS residual of the joint's separate fit, in the unit of its torque.
-    """
+    """Rows of a joint: torque without the rotors' part, columns of inertial parameters and of friction."""
 
     target: Array
     bodies: Array
-    weight: float
+    weight: float  # the inverse RMS residual of the joint's separate fit, in the unit of its torque
     friction: Array
     coefficients: tuple[Coefficient, ...] = ()
 

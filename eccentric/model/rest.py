@@ -139,21 +139,13 @@ _ENDINGS = {1: "_forward", -1: "_backward"}
 
 @dataclass(frozen=True)
 class Side:
-    """Friction in one direction of motion, signed as on the motor, as functions of the state.
+    """Friction in one direction of motion, signed as on the motor, as functions of the state."""
 
-    Attributes:
-        dry: the level with fully developed presliding [N m].
-        viscous: the rest over the velocity [N m s/rad].
-        held: the level at the current presliding state [N m].
-        damping: the rest over the velocity at the current presliding state [N m s/rad].
-        stiffness: presliding stiffness times the time step dt [N m s/rad].
-    """
-
-    dry: sp.Expr
-    viscous: sp.Expr
-    held: sp.Expr
-    damping: sp.Expr
-    stiffness: sp.Expr
+    dry: sp.Expr  # the level with fully developed presliding [N m]
+    viscous: sp.Expr  # the rest over the velocity [N m s/rad]
+    held: sp.Expr  # the level at the current presliding state [N m]
+    damping: sp.Expr  # the rest over the velocity at the current presliding state [N m s/rad]
+    stiffness: sp.Expr  # presliding stiffness times the time step dt [N m s/rad]
 
 
 @dataclass(frozen=True)

@@ -177,15 +177,10 @@ class Reference:
 
 @dataclass(frozen=True)
 class Segment:
-    """A part of a motion, from rest to rest.
+    """A part of a motion, from rest to rest."""
 
-    Attributes:
-        pattern: description, a format string for `sizes`, which scale with the velocity.
-        omega: velocity [rad/s], (n,).
-    """
-
-    pattern: str
-    omega: Array
+    pattern: str  # description, a format string for `sizes`, which scale with the velocity
+    omega: Array  # velocity [rad/s], (n,)
     sizes: tuple[float, ...] = ()
 
     def words(self, axis: AxisKind) -> str:

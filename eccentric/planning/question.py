@@ -31,22 +31,14 @@ from eccentric.rigs import Rig
 
 @dataclass(frozen=True)
 class Rival:
-    """One explanation of a log.
+    """One explanation of a log."""
 
-    Attributes:
-        family: its distinguishing effect; headline: that of the effect; "" for none.
-        balance: the balance in which it appears.
-        variants: the effects common to all rivals, then its distinguishing one.
-        coefficients: of the base, then of the variants, in the order of the balance's design.
-        chance: its probability given the log, relative to the other rivals.
-    """
-
-    family: str
-    headline: str
-    balance: str
-    variants: tuple[Variant, ...]
-    coefficients: np.ndarray
-    chance: float
+    family: str  # its distinguishing effect, "" for none
+    headline: str  # that of the effect, "" for none
+    balance: str  # the balance in which it appears
+    variants: tuple[Variant, ...]  # the effects common to all rivals, then its distinguishing one
+    coefficients: np.ndarray  # of the base, then of the variants, in the order of the balance's design
+    chance: float  # its probability given the log, relative to the other rivals
 
 
 def rivals_of(diagnosis: Diagnosis) -> tuple[Rival, ...]:

@@ -60,20 +60,14 @@ Floats = NDArray[np.floating]
 # little.
 @dataclass(frozen=True)
 class Met:
-    """Inertia and external torques of a drive along a motion, motor side.
+    """Inertia and external torques of a drive along a motion, motor side."""
 
-    Attributes:
-        inertia: [kg m^2]; load: gravity etc. (n,) [N m]; friction: along the motion (n,) [N m].
-        torque_constant: [N m/A]; noise: peak noise current of the loop [A].
-        tuned_for: inertia that the speed loop was tuned for [kg m^2], None for `inertia`.
-    """
-
-    inertia: float
-    load: Floats
-    friction: Floats
-    torque_constant: float
-    noise: float = 0.0
-    tuned_for: float | None = None
+    inertia: float  # [kg m^2]
+    load: Floats  # gravity etc. (n,) [N m]
+    friction: Floats  # along the motion (n,) [N m]
+    torque_constant: float  # [N m/A]
+    noise: float = 0.0  # peak noise current of the loop [A]
+    tuned_for: float | None = None  # inertia that the speed loop was tuned for [kg m^2], None for `inertia`
 
 
 @dataclass(frozen=True)
@@ -171,19 +165,14 @@ class Sums(NamedTuple):
 
 @dataclass(frozen=True)
 class Ground:
-    """A log or a motion, with the designs of the rivals on it.
+    """A log or a motion, with the designs of the rivals on it."""
 
-    screen: designs of the rivals' balance; candidates: by id, on its signals; seen: mask (rows,) of the rows
-    a search would use; per_row: information per row, independent samples per row over their variance;
-    current: [A] (samples,), the largest that any rival needs; met: external torques, None on a log.
-    """
-
-    screen: Screen
-    candidates: dict[str, Candidate]
-    seen: Array
-    per_row: float
-    current: Array
-    met: Met | None = None
+    screen: Screen  # designs of the rivals' balance
+    candidates: dict[str, Candidate]  # by id, on its signals
+    seen: Array  # mask (rows,) of the rows a search would use
+    per_row: float  # information per row: independent samples per row over their variance
+    current: Array  # [A] (samples,), the largest that any rival needs
+    met: Met | None = None  # external torques, None on a log
 
     def on(self, variants: Sequence[Variant]) -> list[Variant]:
         """The variants on the signals of this ground."""

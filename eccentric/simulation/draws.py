@@ -18,13 +18,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Drawn:
-    """How a parameter follows from a draw x of the fitted values: factor x[place] scale^power.
-
-    `place` is None for a factor alone.
-    """
+    """How a parameter follows from a draw x of the fitted values: factor x[place] scale^power."""
 
     parameter: str
-    place: int | None
+    place: int | None  # None for a factor alone
     factor: float = 1.0
     power: int = 0
 

@@ -204,7 +204,6 @@ class _Raw:
     """The true motion, one row per sample, torques in N m on the motor side."""
 
     theta: np.ndarray
-    w: np.ndarray
     drive_speed: np.ndarray
     u: np.ndarray
     i: np.ndarray
@@ -300,7 +299,7 @@ def _run(scenario: Scenario) -> _Raw:
     direction = np.sign(w_mid)
     base = np.stack([direction, w_mid, normal * direction, normal * w_mid], axis=1)
     moving = np.abs(w_mid) > threshold
-    return _Raw(theta, w, speed, u, logged, temperature, friction, base, torques, moving, threshold)
+    return _Raw(theta, speed, u, logged, temperature, friction, base, torques, moving, threshold)
 
 
 def _misread(

@@ -326,15 +326,12 @@ def _in_place(electrical: Search, place: int) -> list[Search]:
 
 @dataclass(frozen=True)
 class _Misread:
-    """The family of a mechanical effect, and what it adds to the electrical target.
-
-    samples (n, k) and their averages, columns (rows, k); coefficients: (k,), as the torque has them.
-    """
+    """The family of a mechanical effect, and what it adds to the electrical target."""
 
     family: str
-    samples: Array
-    columns: Array
-    coefficients: Array
+    samples: Array  # (n, k)
+    columns: Array  # their averages (rows, k)
+    coefficients: Array  # (k,), as the torque has them
 
 
 def _in_the_circuit(mechanical: Search, circuit: BalanceDesign) -> _Misread | None:

@@ -169,17 +169,11 @@ _CLOSE = mpmath.mpf(10) ** -30
 
 @dataclass(frozen=True)
 class Followed:
-    """One coefficient of the C that depends on friction.
+    """One coefficient of the C that depends on friction."""
 
-    Attributes:
-        name: of the coefficient.
-        constant: decimal, "" if it is 0.
-        factors: column -> decimal, where it is not 0; "1.0" is a copy.
-    """
-
-    name: str
-    constant: str
-    factors: Mapping[int, str]
+    name: str  # of the coefficient
+    constant: str  # decimal, "" if it is 0
+    factors: Mapping[int, str]  # column -> decimal, where it is not 0; "1.0" is a copy
 
 
 def followed(model: Model, program: Program, columns: Sequence[Column], single: bool) -> list[Followed]:

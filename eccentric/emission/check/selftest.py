@@ -20,22 +20,14 @@ from eccentric.model import vocabulary as v
 
 @dataclass(frozen=True)
 class Called:
-    """One emitted function.
+    """One emitted function."""
 
-    Attributes:
-        name: in NumPy and, behind the model's prefix, in C.
-        inputs: names, in order.
-        width: number of its values.
-        scalar: whether C returns the single value; otherwise it writes to an array.
-        call: in C, from x[] to out[].
-        array_call: of its array function, from ARRAY samples in each of x_n[] to out_n[]; "" without inputs.
-    """
-
-    name: str
-    inputs: tuple[str, ...]
-    width: int
-    scalar: bool
-    call: str
+    name: str  # in NumPy and, behind the model's prefix, in C
+    inputs: tuple[str, ...]  # names, in order
+    width: int  # number of its values
+    scalar: bool  # whether C returns the single value; otherwise it writes to an array
+    call: str  # in C, from x[] to out[]
+    # of its array function, from ARRAY samples in each of x_n[] to out_n[]; "" without inputs
     array_call: str
 
 

@@ -249,17 +249,11 @@ _ROUNDING = {"sine_ratio": ("6.2e-8", "1.2e-16"), "cosine": ("2.3e-7", "4.2e-16"
 
 @dataclass(frozen=True)
 class Polynomial:
-    """Coefficients of S or C from the highest power down, as decimals, and bounds of their errors.
+    """Coefficients of S or C from the highest power down, as decimals, and bounds of their errors."""
 
-    Attributes:
-        coefficients: as they are printed.
-        error: bound of the method's error, of 1 + x S(x) relative to sin(h)/h, of 1 + x C(x) absolute.
-        rounding: bound of the rounding error of x S(x) or 1 + x C(x), absolute.
-    """
-
-    coefficients: tuple[str, ...]
-    error: str
-    rounding: str
+    coefficients: tuple[str, ...]  # as they are printed
+    error: str  # bound of the method's error, of 1 + x S(x) relative to sin(h)/h, of 1 + x C(x) absolute
+    rounding: str  # bound of the rounding error of x S(x) or 1 + x C(x), absolute
 
 
 @cache

@@ -44,14 +44,12 @@ _DRIVES = ("current", "torque", "torque_l", "voltage")
 
 @dataclass(frozen=True)
 class Heading:
-    """A column: the name, unit and kind of its coefficient.
-
-    `kind` of friction: "load" if it depends on a load, else "viscous" or "coulomb", "friction" for other
-    roles.
-    """
+    """A column: the name, unit and kind of its coefficient."""
 
     name: str
     unit: str
+    # of friction: "load" if it depends on a load, else "viscous" or "coulomb", "friction" for other
+    # roles
     kind: Kind
 
     @property

@@ -123,23 +123,18 @@ class Speeds:
 # linearly, too, and no window with one of them is used.
 @dataclass(frozen=True)
 class Piece:
-    """Samples (n,) of one stretch, `step` [s] apart, with `share` samples between windows.
-
-    `drive` is the channel `measured_by`, a link torque converted to the motor; `wanted` masks rows that the
-    rig uses with the motor on. `quantum` [rad] is the encoder step by the rig, else 0. `place` is the first
-    row in the file, of `total`.
-    """
+    """Samples (n,) of one stretch."""
 
     theta: Array
-    drive: Array
+    drive: Array  # the channel `measured_by`, a link torque converted to the motor
     measured_by: str
     temperature: Array | None
-    wanted: NDArray[np.bool_]
-    step: float
-    share: int
-    quantum: float
-    place: int
-    total: int
+    wanted: NDArray[np.bool_]  # masks rows that the rig uses with the motor on
+    step: float  # between samples [s]
+    share: int  # samples between windows
+    quantum: float  # encoder step by the rig, else 0 [rad]
+    place: int  # the first row in the file
+    total: int  # of its rows
 
 
 def pieces(path: Path, rig: Rig, rows: int) -> Iterator[Piece]:
@@ -273,18 +268,14 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Coverage:
-    """Coverage of a file: rows, seconds in motion, their forward fraction, speeds, temperatures.
-
-    `low` and `high` are the speeds of the slowest and fastest window [rad/s, or m/s]; temperatures [deg C],
-    mean and range in motion, are NaN where none is logged.
-    """
+    """Coverage of a file."""
 
     rows: int
-    seconds: float
-    forward: float
-    low: float
-    high: float
-    temperature: float
+    seconds: float  # in motion
+    forward: float  # their forward fraction
+    low: float  # speed of the slowest window [rad/s, or m/s]
+    high: float  # of the fastest
+    temperature: float  # mean in motion [deg C], NaN where none is logged
     coldest: float
     warmest: float
 

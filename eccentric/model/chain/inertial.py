@@ -184,19 +184,13 @@ _COUNTED = 1e-9
 
 @dataclass(frozen=True)
 class Inertial:
-    """The inertial regressor of a chain.
+    """The inertial regressor of a chain."""
 
-    Attributes:
-        parameters: those of the columns, in order.
-        sums: of each column, parameter -> factor: the linear combination that is its coefficient.
-        slopes: torque of motor j per parameter, [j][k].
-        definitions: intermediate assignments of the slopes.
-    """
-
-    parameters: tuple[Quantity, ...]
+    parameters: tuple[Quantity, ...]  # those of the columns, in order
+    # of each column, parameter -> factor: the linear combination that is its coefficient
     sums: tuple[Mapping[str, float], ...]
-    slopes: tuple[tuple[sp.Expr, ...], ...]
-    definitions: tuple[Assignment, ...]
+    slopes: tuple[tuple[sp.Expr, ...], ...]  # torque of motor j per parameter, [j][k]
+    definitions: tuple[Assignment, ...]  # intermediate assignments of the slopes
 
     @cached_property
     def words(self) -> tuple[str, ...]:

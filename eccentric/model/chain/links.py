@@ -12,9 +12,6 @@ import sympy as sp
 
 from eccentric.core import InputError, meant
 
-Value = float | str | sp.Expr
-"""A number (a decimal is exact: 0.1, "0.1" and "1/10" are the same), or an expression in parameters."""
-
 
 def exact(value: Any, what: str) -> sp.Expr:
     """The value as an exact number, or an expression unchanged.

@@ -100,16 +100,11 @@ def acceleration() -> sp.ImmutableMatrix:
 
 @dataclass(frozen=True)
 class Turned:
-    """A frame that turns in its carrier by theta_l about one of the carrier's axes.
+    """A frame that turns in its carrier by theta_l about one of the carrier's axes."""
 
-    Attributes:
-        rotation: Q, its axes as columns.
-        velocity: its angular velocity in its own components, in w of the carrier.
-        acceleration: its time derivative, in alpha of the carrier and the frame's velocity (symbols w).
-    """
-
-    rotation: sp.ImmutableMatrix
-    velocity: sp.ImmutableMatrix
+    rotation: sp.ImmutableMatrix  # Q, its axes as columns
+    velocity: sp.ImmutableMatrix  # its angular velocity in its own components, in w of the carrier
+    # its time derivative, in alpha of the carrier and the frame's velocity (symbols w)
     acceleration: sp.ImmutableMatrix
 
 

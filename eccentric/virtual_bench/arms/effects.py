@@ -189,17 +189,13 @@ SMOOTH = 0.003
 
 @dataclass(frozen=True)
 class JointEffect:
-    """A planted effect, its joint (from 0), and that joint as a single drive.
-
-    Attributes:
-        top_speed: of the motor [rad/s].
-        starts: temperature [deg C] and motor travel [rad] at the start of each run.
-    """
+    """A planted effect, its joint (from 0), and that joint as a single drive."""
 
     joint: int
     effect: PlantedEffect
     plant: Plant
-    top_speed: float
+    top_speed: float  # of the motor [rad/s]
+    # temperature [deg C] and motor travel [rad] at the start of each run
     starts: tuple[tuple[float, float], ...] = ()
 
 

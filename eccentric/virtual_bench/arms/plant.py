@@ -128,16 +128,12 @@ class FrictionLaw:
 # as separate bodies, whose constraints MuJoCo solves only to a tolerance.
 @dataclass(frozen=True)
 class JointLoads:
-    """Joint loads in one or several configurations of the arm.
+    """Joint loads in one or several configurations of the arm."""
 
-    Attributes:
-        bearing: (places, 3, joints): F_N [N] across the axis, F_T [N] along it, M_B [N m] across it about
-            the joint's origin.
-        transmitted: (places, joints): torque transmitted to the link, signed [N m].
-    """
-
+    # (places, 3, joints): F_N [N] across the axis, F_T [N] along it, M_B [N m] across it about the
+    # joint's origin
     bearing: np.ndarray
-    transmitted: np.ndarray
+    transmitted: np.ndarray  # (places, joints): torque transmitted to the link, signed [N m]
 
 
 def require_mujoco() -> ModuleType:
@@ -293,25 +289,16 @@ _AT_ONCE = 64
 
 @dataclass(frozen=True)
 class Survey:
-    """Rows along the reference of all runs in sequence; joint torques [N m].
+    """Rows along the reference of all runs in sequence; joint torques [N m]."""
 
-    Attributes:
-        q, w, alpha: angles, velocities, accelerations, shape (rows, joints).
-        bearing: F_N, F_T [N], M_B [N m], shape (rows, 3, joints).
-        transmitted: torque transmitted by each gear, (rows, joints).
-        gravity: its part at rest.
-        torque: drive torques without friction, rotors included.
-        inertia: diagonal of the mass matrix [kg m^2], rotors included.
-    """
-
-    q: np.ndarray
-    w: np.ndarray
-    alpha: np.ndarray
-    bearing: np.ndarray
-    transmitted: np.ndarray
-    gravity: np.ndarray
-    torque: np.ndarray
-    inertia: np.ndarray
+    q: np.ndarray  # angles (rows, joints)
+    w: np.ndarray  # velocities (rows, joints)
+    alpha: np.ndarray  # accelerations (rows, joints)
+    bearing: np.ndarray  # F_N, F_T [N], M_B [N m], shape (rows, 3, joints)
+    transmitted: np.ndarray  # torque transmitted by each gear, (rows, joints)
+    gravity: np.ndarray  # its part at rest
+    torque: np.ndarray  # drive torques without friction, rotors included
+    inertia: np.ndarray  # diagonal of the mass matrix [kg m^2], rotors included
 
 
 def survey(arm: BenchArm, course: ArmCourse) -> Survey:

@@ -46,32 +46,18 @@ _CLOSE = 0.03
 
 @dataclass(frozen=True)
 class ArmTrace:
-    """The true motion, one row per sample, shape (rows, joints) unless stated; motor torques [N m].
+    """The true motion, one row per sample, shape (rows, joints) unless stated; motor torques [N m]."""
 
-    Attributes:
-        run: number of the run, (rows,).
-        t: time [s] from the start of the first run, (rows,).
-        q, w: angles and velocities of the joints.
-        speed: velocities measured by the drives.
-        current: of the motors, without noise [A].
-        friction: of motor and bearing, without effects.
-        bearing: F_N, F_T [N], M_B [N m], (rows, 3, joints).
-        transmitted: torque transmitted by each gear, joint side.
-        effects: torque of each effect, (rows, effects).
-        temperature: of each effect's drive [deg C], (rows, effects).
-    """
-
-    run: np.ndarray
-    t: np.ndarray
-    q: np.ndarray
-    w: np.ndarray
-    speed: np.ndarray
-    current: np.ndarray
-    friction: np.ndarray
-    bearing: np.ndarray
-    transmitted: np.ndarray
-    effects: np.ndarray
-    temperature: np.ndarray
+    run: np.ndarray  # number of the run, (rows,)
+    t: np.ndarray  # time [s] from the start of the first run, (rows,)
+    q: np.ndarray  # angles of the joints
+    w: np.ndarray  # their velocities
+    speed: np.ndarray  # velocities measured by the drives
+    current: np.ndarray  # of the motors, without noise [A]
+    friction: np.ndarray  # of motor and bearing, without effects
+    bearing: np.ndarray  # F_N, F_T [N], M_B [N m], (rows, 3, joints)
+    effects: np.ndarray  # torque of each effect, (rows, effects)
+    temperature: np.ndarray  # of each effect's drive [deg C], (rows, effects)
 
     def moving(self, course: ArmCourse) -> np.ndarray:
         """Rows in motion, by joint."""
@@ -160,7 +146,6 @@ def _all_runs(scenario: ArmScenario, progress: Progress | None) -> ArmTrace:
                     logged,
                     base_friction,
                     loads.bearing,
-                    loads.transmitted,
                     *_effect_rows(acting),
                 )
             )

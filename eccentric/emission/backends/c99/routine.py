@@ -22,19 +22,12 @@ from eccentric.model import Assignment, Input
 # once.
 @dataclass(frozen=True)
 class Staged:
-    """The parts of a routine.
+    """The parts of a routine."""
 
-    Attributes:
-        angles: calls of helpers with an input.
-        bent: calls of helpers with one of `angles`.
-        rest: the remaining part.
-        inputs: those that the rest uses.
-    """
-
-    angles: tuple[Assignment, ...]
-    bent: tuple[Assignment, ...]
-    rest: tuple[Assignment, ...]
-    inputs: tuple[Input, ...]
+    angles: tuple[Assignment, ...]  # calls of helpers with an input
+    bent: tuple[Assignment, ...]  # calls of helpers with one of `angles`
+    rest: tuple[Assignment, ...]  # the remaining part
+    inputs: tuple[Input, ...]  # those that the rest uses
 
 
 def staged(routine: Routine) -> Staged:

@@ -34,21 +34,13 @@ class Line:
 
 @dataclass(frozen=True)
 class CodeBody:
-    """A function.
+    """A function."""
 
-    Attributes:
-        name: of the routine, or of a shared function.
-        inputs: names.
-        lines: in order.
-        results: names of the returned values.
-        callers: how many functions call it, if it is shared.
-    """
-
-    name: str
-    inputs: tuple[str, ...]
-    lines: tuple[Line, ...]
-    results: tuple[str, ...]
-    callers: int = 0
+    name: str  # of the routine, or of a shared function
+    inputs: tuple[str, ...]  # names
+    lines: tuple[Line, ...]  # in order
+    results: tuple[str, ...]  # names of the returned values
+    callers: int = 0  # how many functions call it, if it is shared
 
 
 def with_shared(bodies: Sequence[CodeBody], taken: Collection[str]) -> tuple[list[CodeBody], list[CodeBody]]:
