@@ -117,19 +117,12 @@ def _length(nominal: Array) -> float:
 
 @dataclass(frozen=True)
 class IdentifiedBodies:
-    """Bodies identified from the logs.
+    """Bodies identified from the logs."""
 
-    Attributes:
-        base: the base parameters.
-        estimates: of each, by the name of its first parameter.
-        sums: each base parameter as a linear combination, in text.
-        bodies: the consistent bodies nearest to the declared ones.
-    """
-
-    base: BaseParameters
-    estimates: Mapping[str, Estimate]
-    sums: tuple[str, ...]
-    bodies: PossibleBodies
+    base: BaseParameters  # the base parameters
+    estimates: Mapping[str, Estimate]  # of each, by the name of its first parameter
+    sums: tuple[str, ...]  # each base parameter as a linear combination, in text
+    bodies: PossibleBodies  # the consistent bodies nearest to the declared ones
 
 
 def identified_bodies(log: ArmLog) -> IdentifiedBodies | None:

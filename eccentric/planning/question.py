@@ -87,26 +87,19 @@ FORMAT = "eccentric-diagnosis/1"
 
 @dataclass(frozen=True)
 class Question:
-    """The open question, and the data to judge a motion by.
+    """The open question, and the data to judge a motion by."""
 
-    Attributes:
-        rivals: explanations of the log, most probable first; a single one where nothing is open.
-        data: drive and signals of the log; model: the base model; friction: its coefficients, first fit.
-        screen: the balance of the rivals on the log, with their candidates and the declared values.
-        effects: effects of the library, including those of the candidates.
-        otherwise: a measurement that needs more than a motion, None where nothing is open.
-        follows: variables of an unexplained structure in the residual.
-        elsewhere: ids of the named effects of the other balance, which no motion is judged by.
-    """
-
+    # explanations of the log, most probable first; a single one where nothing is open
     rivals: tuple[Rival, ...]
-    data: FitData
-    model: Model
-    friction: np.ndarray
-    screen: Screen
-    effects: tuple[Effect, ...]
+    data: FitData  # drive and signals of the log
+    model: Model  # the base model
+    friction: np.ndarray  # its coefficients, first fit
+    screen: Screen  # the balance of the rivals on the log, with their candidates and the declared values
+    effects: tuple[Effect, ...]  # effects of the library, including those of the candidates
+    # a measurement that needs more than a motion, None where nothing is open
     otherwise: NextMeasurement | None = None
-    follows: tuple[str, ...] = ()
+    follows: tuple[str, ...] = ()  # variables of an unexplained structure in the residual
+    # ids of the named effects of the other balance, which no motion is judged by
     elsewhere: tuple[str, ...] = ()
 
 

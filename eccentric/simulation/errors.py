@@ -222,19 +222,13 @@ def is_finite(value: float | None) -> bool:
 
 @dataclass(frozen=True)
 class Predicted:
-    """Measured and predicted drive on the rows (m,) of a log, in `unit`.
+    """Measured and predicted drive on the rows (m,) of a log, in `unit`."""
 
-    Attributes:
-        t: time [s] (m,).
-        measured, predicted: of a coast-down, what its deceleration gives and what friction gives (m,).
-        held_out: rows (m,) that a fit of this log would not use.
-        unit: "N m" ("N" on a carriage), or that of the drive signal where the log has no scale for a torque.
-    """
-
-    t: Array
-    measured: Array
-    predicted: Array
-    held_out: NDArray[np.bool_]
+    t: Array  # time [s] (m,)
+    measured: Array  # of a coast-down, what its deceleration gives (m,)
+    predicted: Array  # of a coast-down, what friction gives (m,)
+    held_out: NDArray[np.bool_]  # rows (m,) that a fit of this log would not use
+    # "N m" ("N" on a carriage), or that of the drive signal where the log has no scale for a torque
     unit: str
 
     @property
@@ -245,30 +239,19 @@ class Predicted:
 
 @dataclass(frozen=True)
 class FittedDrive:
-    """What predicts a log: a fitted model with the drive as it was identified.
+    """What predicts a log: a fitted model with the drive as it was identified."""
 
-    Attributes:
-        base, model: the model that was fitted, and the same extended by effects; often the same one.
-        rig, alignment: as the fit has completed and found them.
-        known: values of the drive, those that were identified included.
-        values: every parameter of the model, and what the drive requires beside it.
-        scale: of the drive [V/(N m) or A/(N m)]; None where the torque is measured.
-        unit, factor: of the errors of the fit, and what it has of them for one newton metre.
-        drive_unit: of torques in the fit, "N m", "V" or "A".
-        powered: whether rows with the motor switched off are left out of the fit.
-    """
-
-    base: Model
-    model: Model
-    rig: Rig
-    alignment: Alignment
-    known: Mapping[str, float]
-    values: Mapping[str, float]
-    scale: float | None
-    unit: str
-    factor: float
-    drive_unit: str
-    powered: bool
+    base: Model  # the model that was fitted
+    model: Model  # the same extended by effects; often the same one
+    rig: Rig  # as the fit has completed it
+    alignment: Alignment  # as the fit has found it
+    known: Mapping[str, float]  # values of the drive, those that were identified included
+    values: Mapping[str, float]  # every parameter of the model, and what the drive requires beside it
+    scale: float | None  # of the drive [V/(N m) or A/(N m)]; None where the torque is measured
+    unit: str  # of the errors of the fit
+    factor: float  # what the error of the fit has of its unit for one newton metre
+    drive_unit: str  # of torques in the fit, "N m", "V" or "A"
+    powered: bool  # whether rows with the motor switched off are left out of the fit
 
     def along(self, channels: Channels) -> Predicted:
         """The prediction for the channels of a log.

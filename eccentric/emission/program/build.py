@@ -112,16 +112,12 @@ Arrays = Literal["with", "beside", "none"]
 
 @dataclass(frozen=True)
 class Choice:
-    """A choice of what to emit.
+    """A choice of what to emit."""
 
-    Attributes:
-        functions: their names, without those of arrays and the step of hidden states; none chosen is all.
-        arrays: where C has its array functions: in the header, in one of their own, or nowhere.
-        fixed: whether C has the default parameters only: neither a structure of parameters nor `prepare`.
-    """
-
+    # their names, without those of arrays and the step of hidden states; none chosen is all
     functions: tuple[str, ...] = ()
-    arrays: Arrays = "with"
+    arrays: Arrays = "with"  # where C has its array functions: in the header, in one of their own, or nowhere
+    # whether C has the default parameters only: neither a structure of parameters nor `prepare`
     fixed: bool = False
 
     def of(self, outputs: Sequence[Output]) -> tuple[Output, ...]:

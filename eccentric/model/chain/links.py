@@ -14,7 +14,7 @@ from eccentric.core import InputError, meant
 
 
 def exact(value: Any, what: str) -> sp.Expr:
-    """The value as an exact number, or an expression unchanged.
+    """The value as an exact number (0.1, "0.1" and "1/10" are the same), or an expression unchanged.
 
     Raises:
         InputError: it is neither a finite number nor an expression; `what` names it.
