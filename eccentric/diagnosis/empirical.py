@@ -188,22 +188,18 @@ def variables_followed(data: FitData, setting: Setting) -> tuple[str, ...]:
     return tuple(name for name, there in offered.items() if there)
 
 
-def fit_empirical(
-    before: Refit, data: FitData, setting: Setting, variables: Sequence[str] | None = None
-) -> Empirical | None:
+def fit_empirical(before: Refit, data: FitData, setting: Setting) -> Empirical | None:
     """The term of one or two variables that predicts the blocks of the training part best.
 
     Args:
         before: the model found so far.
         data: the log.
         setting: what the base model and its ranges are.
-        variables: those that the term may follow, see `Curve`; by default all of the log.
 
     Returns None where none predicts them clearly better than the model without it.
     """
     fit = _Fit(before, data, setting)
-    names = variables_followed(data, setting) if variables is None else variables
-    offers = {name: list(_offers(fit, name)) for name in names}
+    offers = {name: list(_offers(fit, name)) for name in variables_followed(data, setting)}
     plain = fit.solve((), limits.EMPIRICAL_STIFF[0])[1]
     best = None
     for _ in range(2):

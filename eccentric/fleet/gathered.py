@@ -128,7 +128,8 @@ def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
             if None in row or None in row.values():
                 raise InputError(where, f"{len(names)} entries", "more or fewer")
             joint, rig = row.pop("joint"), row.pop("rig")
-            _require_new(joint, assigned, where)
+            if joint in assigned:
+                raise InputError(where, "each joint", f"{joint!r} twice", why="only once")
             assigned[joint] = rig, {key: _value(text) for key, text in row.items() if text.strip()}
     except csv.Error as error:
         raise InputError(
@@ -155,11 +156,6 @@ def _of_toml(joints: object, path: Path) -> dict[str, tuple[str, Mapping[str, An
             raise InputError(f"{where}: rig", "the path of a rig file", f"{table.get('rig')!r}")
         assigned[joint] = table["rig"], read_table(table.get("known", {}), f"{where}: known")
     return assigned
-
-
-def _require_new(joint: str, assigned: Mapping[str, object], where: str) -> None:
-    if joint in assigned:
-        raise InputError(where, "each joint", f"{joint!r} twice", why="only once")
 
 
 Progress = Callable[[float, str], None]

@@ -35,15 +35,7 @@ class BaseParameters:
     def words(self, names: Sequence[str]) -> list[str]:
         """Each base parameter as a linear combination, in text."""
         return [
-            " ".join(
-                _part(float(x), name, first=k == 0)
-                for k, (x, name) in enumerate(
-                    sorted(
-                        ((x, n) for x, n in zip(row, names, strict=True) if abs(x) > LEAST_SHARE_IN_SUM),
-                        key=lambda part: part[1] != names[place],
-                    )
-                )
-            )
+            names[place] + "".join(_part(float(row[k]), name) for k, name in enumerate(names) if k != place)
             for place, row in zip(self.chosen, self.sums, strict=True)
         ]
 
@@ -77,9 +69,11 @@ def names_of(joints: int) -> list[str]:
     return [q.name for j in range(joints) for q in letters_of(j)]
 
 
-def _part(x: float, name: str, *, first: bool) -> str:
-    sign = ("-" if x < 0.0 else "") if first else ("- " if x < 0.0 else "+ ")
-    return f"{sign}{name}" if abs(abs(x) - 1.0) < LEAST_SHARE_IN_SUM else f"{sign}{abs(x):.4g} {name}"
+def _part(x: float, name: str) -> str:
+    if abs(x) <= LEAST_SHARE_IN_SUM:
+        return ""
+    size = "" if abs(abs(x) - 1.0) < LEAST_SHARE_IN_SUM else f"{abs(x):.4g} "
+    return f" {'-' if x < 0.0 else '+'} {size}{name}"
 
 
 _UPPER = [(a, b) for a in range(3) for b in range(a, 3)]
@@ -175,7 +169,7 @@ class BodyModule:
         choice = Choice(("inverse_dynamics", "bearing_loads"), "none")
         files = render_code(arm(lettered, lettered.name), "numpy", choice)
         self._module = executed(files, lettered.name)
-        self._names = [q.name for j in range(len(chain.joints)) for q in letters_of(j)]
+        self._names = names_of(len(chain.joints))
         self._mu = np.array([float(joint.mu) for joint in chain.joints])
         self._J_m = np.array([float(joint.J_m) for joint in chain.joints])
 

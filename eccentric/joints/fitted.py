@@ -329,8 +329,6 @@ class Payload:
 
     estimates: Mapping[str, Estimate]  # its identifiable inertial parameters in the frame of the last joint
     rmse: tuple[float, ...]  # error of each joint with it
-    # reduction of each joint's error in percent, with the 95 % interval
-    gains: tuple[tuple[float, tuple[float, float]], ...]
 
 
 def predicted(found: ArmFit, logs: Sequence[LogSource], runs: Sequence[str]) -> ForeignRuns:
@@ -376,8 +374,7 @@ def payload_of(found: ForeignRuns) -> Payload:
     names = [name.replace(f"_{last}", "_payload") for name in names_of(last + 1)[last * COUNT :]]
     _, solution = pooled(blocks, names, lower=0.0)  # a payload has no negative mass
     after = np.split(solution.residual, np.cumsum([len(block.target) for block in blocks])[:-1])
-    gains = tuple(improvement(*pair) for pair in zip(found.residuals, after, strict=True))
-    return Payload(solution.estimates(), tuple(rms(x) for x in after), gains)
+    return Payload(solution.estimates(), tuple(rms(x) for x in after))
 
 
 def _of_runs(found: ArmFit, runs: Sequence[str]) -> ArmRig:

@@ -8,6 +8,14 @@ from dataclasses import InitVar, dataclass, field
 from math import cos, hypot, sin
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+def rms(values: ArrayLike) -> np.ndarray:
+    """Return the root of the mean square over the rows."""
+    return np.sqrt(np.mean(np.square(values), axis=0))
+
 
 @dataclass(frozen=True)
 class Plant:

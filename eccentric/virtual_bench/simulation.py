@@ -9,7 +9,7 @@ import numpy as np
 
 from eccentric.core import InputError
 from eccentric.virtual_bench.effects import Law, PlantedEffect
-from eccentric.virtual_bench.plant import Motion, Plant
+from eccentric.virtual_bench.plant import Motion, Plant, rms
 from eccentric.virtual_bench.scenario import Scenario, servo, supply
 
 BoundLaw = tuple[str, PlantedEffect, Law]
@@ -343,13 +343,9 @@ def _geared(
     return np.array([torque(*row, effect.amplitude) - torque(*row, 0.0) for row in zip(*motion, strict=True)])
 
 
-def _rms(x: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(x))))
-
-
 def _fractions(raw: _Raw) -> list[float]:
-    friction = _rms(raw.friction[raw.moving])
-    return [_rms(torque[raw.moving]) / friction for torque in raw.torques.T]
+    friction = rms(raw.friction[raw.moving])
+    return [float(rms(torque[raw.moving]) / friction) for torque in raw.torques.T]
 
 
 def _corrected(
@@ -428,7 +424,7 @@ def _truth(scenario: Scenario, raw: _Raw) -> dict[str, Any]:
         "rows": len(raw.theta),
         "mu": plant.mu,
         "case": plant.case,
-        "friction_rms_Nm": _rms(raw.friction[raw.moving]),
+        "friction_rms_Nm": float(rms(raw.friction[raw.moving])),
         "hidden_parameters": plant.hidden(),
         "thermal": {"Rth": plant.Rth, "tau": plant.tau, "Tamb": plant.Tamb},
         "temperature_range": [float(raw.temperature.min()), float(raw.temperature.max())],
@@ -452,7 +448,7 @@ def _truth(scenario: Scenario, raw: _Raw) -> dict[str, Any]:
 
 def _beyond_the_paper(raw: _Raw) -> list[float]:
     """Return each effect's rms residual after refitting the paper's model, over the friction rms."""
-    base, friction = raw.base[raw.moving], _rms(raw.friction[raw.moving])
-    torques = raw.torques[raw.moving]
+    base, torques = raw.base[raw.moving], raw.torques[raw.moving]
     coefficients, *_ = np.linalg.lstsq(base, torques, rcond=None)
-    return [_rms(rest) / friction for rest in (torques - base @ coefficients).T]
+    friction = rms(raw.friction[raw.moving])
+    return [float(rms(rest) / friction) for rest in (torques - base @ coefficients).T]

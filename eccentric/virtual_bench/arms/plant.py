@@ -317,8 +317,3 @@ def survey(arm: BenchArm, course: ArmCourse) -> Survey:
         inertia = np.einsum("kjj->kj", mass)
         parts.append((loads.bearing, loads.transmitted, rigid.gravity_torque(), torque, inertia))
     return Survey(q, w, alpha, *(np.concatenate(part)[: len(q)] for part in zip(*parts, strict=True)))
-
-
-def rms(values: np.ndarray) -> np.ndarray:
-    """Return the root of the mean square over the rows."""
-    return np.sqrt(np.mean(np.square(values), axis=0))

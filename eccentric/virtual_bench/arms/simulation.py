@@ -33,10 +33,11 @@ from eccentric.virtual_bench.arms.effects import (
     JointEffect,
     corrected,
 )
-from eccentric.virtual_bench.arms.plant import FrictionLaw, JointLoads, RigidArm, rms
+from eccentric.virtual_bench.arms.plant import FrictionLaw, JointLoads, RigidArm
 from eccentric.virtual_bench.arms.scenario import ArmScenario
 from eccentric.virtual_bench.arms.trajectory import ArmCourse, ArmLoop
 from eccentric.virtual_bench.files import LOG, csv_archive, json_bytes, new_paths, write_new
+from eccentric.virtual_bench.plant import rms
 
 Progress = Callable[[float], None]
 """Called with the completed fraction, 0 to 1."""
