@@ -113,7 +113,6 @@ class _Fit:
         self.block = np.unique(rows.block[self.train], return_inverse=True)[1]
 
     def signal(self, variable: str) -> Array:
-        """The variable on the samples (n,)."""
         own = variable_of(variable, self.setting)
         value = own.expression
         for definition in reversed(own.definitions):
@@ -121,7 +120,6 @@ class _Fit:
         return np.array(compiled(self.before.model, value, self.data.signals)({}, {}))
 
     def term(self, curve: Curve, signal: Array) -> _Term:
-        """The curve on the rows."""
         omega = self.data.signals.values["omega_m"]
         return _Term(curve, self.data.rows.mean(curve.columns(signal, omega)))
 
@@ -235,7 +233,6 @@ def _clearly(before: Array, after: Array) -> bool:
 
 
 def _offers(fit: _Fit, name: str) -> Iterator[_Term]:
-    """The curves over a variable."""
     signal = fit.signal(name)
     rows = fit.data.rows.plain_mean(signal)[fit.train]
     if name in ANGLES:

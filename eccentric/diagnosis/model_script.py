@@ -106,7 +106,6 @@ class _Writer(StrPrinter):
 
 
 def _usual(field: Field[Any], value: Any) -> bool:
-    """Whether a field has its default."""
     default = field.default
     if field.default_factory is not MISSING:
         default = field.default_factory()

@@ -51,7 +51,6 @@ def _parts(name: str, n: int, unit: str, what: str, angle: str) -> tuple[Quantit
 
 
 def _size(C: Quantity, S: Quantity) -> sp.Expr:
-    """The amplitude of a harmonic."""
     return sp.sqrt(C.symbol**2 + S.symbol**2)
 
 

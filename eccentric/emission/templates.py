@@ -21,12 +21,10 @@ class _Cache(jinja2.BytecodeCache):
         self._settings = settings
 
     def load_bytecode(self, bucket: Bucket) -> None:
-        """Take what was kept for a template."""
         if (kept := derived.get(f"template {self._settings} {bucket.key}")) is not None:
             bucket.bytecode_from_string(kept)
 
     def dump_bytecode(self, bucket: Bucket) -> None:
-        """Keep a compiled template."""
         derived.put(f"template {self._settings} {bucket.key}", bucket.bytecode_to_string())
 
 

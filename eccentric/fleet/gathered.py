@@ -139,7 +139,6 @@ def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
 
 
 def _value(text: str) -> float | str:
-    """A number, or text with a unit."""
     try:
         return float(text)
     except ValueError:
@@ -293,7 +292,6 @@ class _PresentLogs:
             self._by_stem.add((log.period, without_suffix(log.name)))
 
     def unchanged(self, row: Key) -> bool:
-        """Whether the log of some sums is unchanged."""
         return self._by_name.get((row.period, row.name)) == (row.size, row.changed)
 
     def gone(self, row: Key) -> bool:

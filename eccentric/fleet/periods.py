@@ -130,7 +130,6 @@ def _period(name: str, stack: Array, headings: Sequence[Heading], coverage: Cove
 
 
 def _together(parts: Sequence[Coverage]) -> Coverage:
-    """Combine the coverage of several files."""
     seconds = sum(c.seconds for c in parts)
     moving = [c for c in parts if c.seconds > 0.0]
     warm = [c for c in moving if math.isfinite(c.temperature)]

@@ -328,7 +328,6 @@ class _Cluster:
 
     @cached_property
     def client(self) -> Any:
-        """The client of the cluster."""
         return self._stack.enter_context(connected(self._request.scheduler, self._request.workers))
 
     def __enter__(self) -> Self:

@@ -118,7 +118,6 @@ def _number(part: Path) -> int:
 
 
 def _encoded(rows: Sequence[Stored]) -> Any:
-    """The rows as a Parquet file."""
     arrow, parquet = arrow_of()
     table: dict[str, list[Any]] = {
         "period": [row.period for row in rows],

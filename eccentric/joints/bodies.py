@@ -172,7 +172,6 @@ def pooled(
 
 
 def _block(log: ArmLog, j: int) -> Block:
-    """The training rows of a joint."""
     rows, drive = log.rows(j), log.drive(j)
     train = rows.train
     loads = log.present(j)

@@ -366,7 +366,6 @@ class _NumberedJoint:
 
     @property
     def states(self) -> tuple[State, ...]:
-        """Its hidden states."""
         return tuple(
             State(self._numbered(s.quantity), self._of_the_arm(s.initial), self._of_the_arm(s.update))
             for s in self._model.states

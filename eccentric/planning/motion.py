@@ -149,7 +149,6 @@ def _number(value: object, key: str, units: Mapping[str, str]) -> float:
 
 
 def _value(value: object, key: str, units: Mapping[str, str]) -> float:
-    """A number in SI, or text with a unit."""
     return parse_value(value, units[key], key) if isinstance(value, str) else read_number(value, key)
 
 

@@ -134,7 +134,6 @@ def plant_of(fitted: Refit, law: Law) -> tuple[DrivePlant, Recording]:
 
 
 def _changes_armature(fitted: Refit) -> bool:
-    """Whether effects change the electrical balance."""
     model = fitted.model
     used = {symbol for t in model.balance("electrical").terms for symbol in t.value.free_symbols}
     added = any("electrical" in extension.change.terms for extension in model.extensions)

@@ -81,11 +81,9 @@ class Spans:
     steps: Integers
 
     def __len__(self) -> int:
-        """The number of spans."""
         return len(self.start)
 
     def __add__(self, other: Spans) -> Spans:
-        """Both, one after the other."""
         return Spans(np.r_[self.start, other.start], np.r_[self.steps, other.steps])
 
     def chosen(self, kept: Mask | Integers) -> Spans:

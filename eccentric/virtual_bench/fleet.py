@@ -167,7 +167,6 @@ def _require(**numbers: float) -> None:
 
 
 def _joint(random: Generator, name: str, seed: int) -> FleetJoint:
-    """Draw a healthy joint of one of two kinds."""
     kind = ("shoulder", "elbow")[int(random.integers(2))]
     size = {"shoulder": 1.0, "elbow": 0.6}[kind]
 

@@ -138,7 +138,6 @@ def _of_drive(model: Model) -> tuple[str, ...]:
 
 
 def _of_functions(lines: Sequence[str], names: Collection[str]) -> tuple[str, ...]:
-    """The bounds of these functions only."""
     found = []
     for line in lines:
         functions, within, bound = line.partition(" within")
@@ -342,7 +341,6 @@ def _solved(rows: list[list[Decimal]]) -> list[Decimal]:
 def _errors(
     grid: list[Decimal], exact: list[tuple[Decimal, Decimal]], coefficients: Iterable[Decimal]
 ) -> list[Decimal]:
-    """Weighted errors at the points of the grid."""
     coefficients, errors = list(coefficients), []
     for x, (value, weight) in zip(grid, exact, strict=True):
         series = Decimal(0)

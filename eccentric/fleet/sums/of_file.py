@@ -364,7 +364,6 @@ class _Covered:
     repeats: int = 0
 
     def add(self, piece: Piece, moving: Integers, omega: Array) -> None:
-        """Add the moving windows of a piece with their speeds."""
         size = np.abs(omega)
         self.windows += len(moving)
         self.forward += int(np.count_nonzero(omega > 0.0))

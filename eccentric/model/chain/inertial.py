@@ -44,7 +44,6 @@ def letters_of(j: int) -> tuple[Quantity, ...]:
 
 
 def _rotor_letter(j: int) -> Quantity:
-    """The inertia of rotor j."""
     return quantity(f"J_m_{j}", "kg m^2", f"inertia of rotor {j}")
 
 

@@ -70,7 +70,6 @@ def _by_letters() -> list[tuple[sp.Expr, sp.Expr]]:
 
 
 def _written(matrix: sp.Matrix) -> sp.ImmutableMatrix:
-    """The functions of time replaced by symbols."""
     for function, letter in _by_letters():
         matrix = matrix.subs(function, letter)
     return sp.ImmutableMatrix(matrix)

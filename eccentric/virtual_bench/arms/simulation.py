@@ -212,7 +212,6 @@ def _with_effects(
 
 
 def _effect_rows(acting: list[list[Acting]]) -> tuple[list[list[float]], list[list[float]]]:
-    """Torque and temperature of the effects, by run."""
     return (
         [[one.torque for one in effects] for effects in acting],
         [[one.motion.temperature for one in effects] for effects in acting],
@@ -286,7 +285,6 @@ def _log(scenario: ArmScenario, motion: ArmTrace) -> dict[str, np.ndarray]:
 
 
 def _rig(scenario: ArmScenario) -> dict[str, Any]:
-    """Content of the rig file: arm, columns, drives."""
     columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "omega_l": "w_rad_s_{j}"}
     if scenario.measured == "torque":
         drives = {}

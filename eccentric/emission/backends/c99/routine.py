@@ -180,7 +180,6 @@ def _calls(program: Program, r: Routine, parts: Staged, coefficients: set[str]) 
 
 
 def _body(program: Program, r: Routine, parts: Staged, coefficients: set[str]) -> list[str]:
-    """The lines of the kernel."""
     vectors = [x for x in r.inputs if x.length is not None]
     used = set().union(*(a.value.free_symbols for a in parts.rest))
     unpack = [

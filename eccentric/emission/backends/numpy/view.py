@@ -44,7 +44,6 @@ class _Formulas:
         self._pairs, self._plain, self._name = pairs, plain, name
 
     def pair(self, e: sp.Expr) -> tuple[str, int]:
-        """The expression as a Pair."""
         text, level, is_pair = self._term(e)
         return (text, level) if is_pair else (f"runtime.Pair({text})", _ATOM)
 
