@@ -20,17 +20,7 @@ from eccentric.effects.forms import (
     theta_m,
 )
 from eccentric.effects.loads import ROLLING
-from eccentric.model import (
-    ANGLE,
-    GEARS,
-    IRON,
-    MAGNETS,
-    MOTOR_ANGLE,
-    HalfSine,
-    Quantity,
-    Role,
-    quantity,
-)
+from eccentric.model import ANGLE, GEARS, IRON, MAGNETS, MOTOR_ANGLE, HalfSine, Quantity, Role, quantity
 from eccentric.model import vocabulary as v
 
 LINK_ORDERS, MOTOR_ORDERS = range(1, 13), range(1, 25)

@@ -221,16 +221,7 @@ def _spans(inputs: list[str], length: int) -> list[list[float]]:
         return [span if name == "theta_m" else size for name, size in zip(names, usual, strict=True)]
 
     nearby, closer, tiny, any_bits = ([x] * len(names) for x in (2.0**-9, 2.0**-19, 1.0, 0.0))
-    return [
-        usual,
-        with_angle(2.0**11),
-        with_angle(2.0**15),
-        nearby,
-        closer,
-        tiny,
-        any_bits,
-        with_angle(0.0),
-    ]
+    return [usual, with_angle(2.0**11), with_angle(2.0**15), nearby, closer, tiny, any_bits, with_angle(0.0)]
 
 
 def _special(k: int, at: float, real: Any) -> np.ndarray:

@@ -88,7 +88,8 @@ def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
 
 def decimal(value: mpmath.mpf, single: bool) -> str:
     """A number as a decimal of the working precision; "NAN" if it is none."""
-    return "NAN" if mpmath.isnan(value) else _decimal(value, 9 if single else 17)
+    text = mpmath.nstr(value, 9 if single else 17, min_fixed=-4, max_fixed=6)
+    return "NAN" if mpmath.isnan(value) else number(text)
 
 
 def prepared_values(program: Program, single: bool) -> dict[sp.Symbol, mpmath.mpf]:
@@ -182,11 +183,6 @@ def _default(default: sp.Expr | None, program: Program) -> mpmath.mpf:
 def _round(value: mpmath.mpf, bits: int) -> mpmath.mpf:
     with mpmath.workprec(bits):
         return +value
-
-
-def _decimal(value: mpmath.mpf, digits: int) -> str:
-    text = mpmath.nstr(value, digits, min_fixed=-4, max_fixed=6)
-    return text if any(mark in text for mark in ".en") else f"{text}.0"
 
 
 def pair_functions(program: Program) -> frozenset[str]:

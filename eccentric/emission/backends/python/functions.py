@@ -238,10 +238,7 @@ def functions(program: Program, dialect: Dialect) -> dict[str, list[dict[str, An
         "shared": [_shared(body) for body in shared],
         "routines": [
             _routine(
-                r,
-                b,
-                nan_without(program, r) if dialect.guarded else (),
-                steps=r.name in program.conditioned,
+                r, b, nan_without(program, r) if dialect.guarded else (), steps=r.name in program.conditioned
             )
             for r, b in zip(program.routines, bodies, strict=True)
         ],
