@@ -20,12 +20,14 @@ from eccentric.virtual_bench.effects import (
     PlantSetting,
     Request,
     Requested,
+    back_driven,
+    bearing_law,
     check_strength,
+    gear_loss,
     known_family,
     simply,
     with_strengths,
 )
-from eccentric.virtual_bench.effects.record import back_driven, bearing_law, gear_loss
 from eccentric.virtual_bench.plant import Motion, Plant, rms
 
 
