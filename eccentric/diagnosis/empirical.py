@@ -97,11 +97,7 @@ class _Fit:
         own = base_coefficients(setting.base, data.signals)[:count]
         self.names = [c.name for c in own]
         self.roles = [(c.role, c.load) for c in data.signals.columns(setting.base)]
-        shapes = {
-            s.quantity.name: before.values[s.quantity.name] for e, _ in before.effects for s in e.shapes
-        }
-        self.shapes = shapes
-        residuals = data.residuals(before.model, shapes, before.values, before.scale)
+        residuals = data.residuals(before.model, before.shapes, before.values, before.scale)
         self.friction = residuals.design("mechanical", before.values, [(name,) for name in self.names])[1]
         self.start = np.array([before.values[name] for name in self.names])
         # What the bench leaves open besides parameters of the model, such as other bodies, stays as fitted.
@@ -277,7 +273,7 @@ def _made(fit: _Fit, choice: _Choice) -> Empirical | None:
     model = effect.extend(before.model, own)
     moved = dict(zip(fit.names, map(float, friction), strict=True))
     everything = before.values | moved | own
-    residuals = fit.data.residuals(model, fit.shapes, everything, before.scale)
+    residuals = fit.data.residuals(model, before.shapes, everything, before.scale)
     after = residuals.rows("mechanical", everything) + fit.outside
     score = fit.data.rows.score
     percent, interval = improvement(before.residuals["mechanical"][score], after[score])

@@ -271,6 +271,11 @@ class Refit:
     change: float
 
     @property
+    def shapes(self) -> Values:
+        """The nonlinear values of its effects, by name."""
+        return {s.quantity.name: self.values[s.quantity.name] for e, _ in self.effects for s in e.shapes}
+
+    @property
     def settled(self) -> bool:
         """Whether another step would not change the digits that are shown."""
         return self.change < limits.CONVERGED
@@ -384,6 +389,5 @@ def _with_any_inertia(drive: Drive) -> Drive:
 
 def residual_samples(fitted: Refit) -> Array:
     """The mechanical residual on the samples (n,) [N m], up to a constant; for fits with bounds."""
-    shapes = {s.quantity.name: fitted.values[s.quantity.name] for e, _ in fitted.effects for s in e.shapes}
-    residuals = fitted.data.residuals(fitted.model, shapes, fitted.values, fitted.scale)
+    residuals = fitted.data.residuals(fitted.model, fitted.shapes, fitted.values, fitted.scale)
     return residuals.samples("mechanical", fitted.values)

@@ -125,10 +125,7 @@ def plant_of(fitted: Refit, law: Law) -> tuple[DrivePlant, Recording]:
     )
     recording = recording_of(aligned.channels)
     if fitted.model.states:
-        shapes = {
-            s.quantity.name: fitted.values[s.quantity.name] for e, _ in fitted.effects for s in e.shapes
-        }
-        states = state_series(fitted.model, fitted.data.signals, shapes)
+        states = state_series(fitted.model, fitted.data.signals, fitted.shapes)
         recording = dataclasses.replace(recording, states=states)
     return plant, recording
 
