@@ -97,11 +97,7 @@ class _Fit:
         own = base_coefficients(setting.base, data.signals)[:count]
         self.names = [c.name for c in own]
         self.roles = [(c.role, c.load) for c in data.signals.columns(setting.base)]
-        shapes = {
-            s.quantity.name: before.values[s.quantity.name] for e, _ in before.effects for s in e.shapes
-        }
-        self.shapes = shapes
-        residuals = data.residuals(before.model, shapes, before.values, before.scale)
+        residuals = data.residuals(before.model, before.shapes, before.values, before.scale)
         self.friction = residuals.design("mechanical", before.values, [(name,) for name in self.names])[1]
         self.start = np.array([before.values[name] for name in self.names])
         # What the bench leaves open besides parameters of the model, such as other bodies, stays as fitted.
@@ -113,7 +109,6 @@ class _Fit:
         self.block = np.unique(rows.block[self.train], return_inverse=True)[1]
 
     def signal(self, variable: str) -> Array:
-        """The variable on the samples (n,)."""
         own = variable_of(variable, self.setting)
         value = own.expression
         for definition in reversed(own.definitions):
@@ -121,7 +116,6 @@ class _Fit:
         return np.array(compiled(self.before.model, value, self.data.signals)({}, {}))
 
     def term(self, curve: Curve, signal: Array) -> _Term:
-        """The curve on the rows."""
         omega = self.data.signals.values["omega_m"]
         return _Term(curve, self.data.rows.mean(curve.columns(signal, omega)))
 
@@ -188,22 +182,18 @@ def variables_followed(data: FitData, setting: Setting) -> tuple[str, ...]:
     return tuple(name for name, there in offered.items() if there)
 
 
-def fit_empirical(
-    before: Refit, data: FitData, setting: Setting, variables: Sequence[str] | None = None
-) -> Empirical | None:
+def fit_empirical(before: Refit, data: FitData, setting: Setting) -> Empirical | None:
     """The term of one or two variables that predicts the blocks of the training part best.
 
     Args:
         before: the model found so far.
         data: the log.
         setting: what the base model and its ranges are.
-        variables: those that the term may follow, see `Curve`; by default all of the log.
 
     Returns None where none predicts them clearly better than the model without it.
     """
     fit = _Fit(before, data, setting)
-    names = variables_followed(data, setting) if variables is None else variables
-    offers = {name: list(_offers(fit, name)) for name in names}
+    offers = {name: list(_offers(fit, name)) for name in variables_followed(data, setting)}
     plain = fit.solve((), limits.EMPIRICAL_STIFF[0])[1]
     best = None
     for _ in range(2):
@@ -239,7 +229,6 @@ def _clearly(before: Array, after: Array) -> bool:
 
 
 def _offers(fit: _Fit, name: str) -> Iterator[_Term]:
-    """The curves over a variable."""
     signal = fit.signal(name)
     rows = fit.data.rows.plain_mean(signal)[fit.train]
     if name in ANGLES:
@@ -284,7 +273,7 @@ def _made(fit: _Fit, choice: _Choice) -> Empirical | None:
     model = effect.extend(before.model, own)
     moved = dict(zip(fit.names, map(float, friction), strict=True))
     everything = before.values | moved | own
-    residuals = fit.data.residuals(model, fit.shapes, everything, before.scale)
+    residuals = fit.data.residuals(model, before.shapes, everything, before.scale)
     after = residuals.rows("mechanical", everything) + fit.outside
     score = fit.data.rows.score
     percent, interval = improvement(before.residuals["mechanical"][score], after[score])

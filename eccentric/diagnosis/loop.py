@@ -56,9 +56,6 @@ from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
 from eccentric.signals import Band, Channels, Rows, read_channels, read_long
 
-# What a diagnosis found.
-
-
 BASE = "base.py"
 """Name of the script beside model.py that has the base model, where it was given as an object."""
 
@@ -69,21 +66,15 @@ Added = tuple[Effect, dict[str, float]]
 
 @dataclass(frozen=True)
 class Asked:
-    """The inputs of a diagnosis.
+    """The inputs of a diagnosis."""
 
-    Attributes:
-        logs, rig: their names.
-        base: the base model: its name, the path of its derivation, or the model itself if it was given as an
-            object or has effects from the start.
-        effects: file of the user's own effects.
-        request: effects that the model has from the start, and what the search may offer.
-    """
-
-    logs: tuple[str, ...]
-    rig: str
+    logs: tuple[str, ...]  # their names
+    rig: str  # its name
+    # the base model: its name, the path of its derivation, or the model itself if it was given as an
+    # object or has effects from the start
     base: str | Model
-    effects: Path | None
-    request: SearchRequest
+    effects: Path | None  # file of the user's own effects
+    request: SearchRequest  # effects that the model has from the start, and what the search may offer
 
     @property
     def model(self) -> str:

@@ -25,8 +25,6 @@ from eccentric.model import Model, regressor, steps, with_values
 # The base model as a derivation, where it was given as an object: base.py, which model.py loads.
 #
 # It has the outcome of a derivation, not its steps: every quantity, definition, term and equation as it is.
-
-
 _WIDTH = 110
 _TAKEN = frozenset({*vars(sp), *vars(steps), *vars(eccentric.model), "model", "show"})
 
@@ -108,7 +106,6 @@ class _Writer(StrPrinter):
 
 
 def _usual(field: Field[Any], value: Any) -> bool:
-    """Whether a field has its default."""
     default = field.default
     if field.default_factory is not MISSING:
         default = field.default_factory()

@@ -33,16 +33,12 @@ from eccentric.signals import LEAST_HELD_OUT
 
 @dataclass(frozen=True)
 class Models:
-    """What was fitted on the training part.
+    """What was fitted on the training part."""
 
-    linear: Coulomb and viscous friction; paper: the paper's model; paper_unbounded: the same with
-    coefficients that may become negative; extended: with the adopted effects, `paper` itself without any.
-    """
-
-    linear: Refit
-    paper: Refit
-    paper_unbounded: Refit
-    extended: Refit
+    linear: Refit  # Coulomb and viscous friction
+    paper: Refit  # the paper's model
+    paper_unbounded: Refit  # the same with coefficients that may become negative
+    extended: Refit  # with the adopted effects, `paper` itself without any
 
     @property
     def base(self) -> Model:
@@ -208,21 +204,14 @@ def confirms(scored: Score, models: Models, data: FitData) -> bool:
     return score(models.linear, models.paper_unbounded, models.extended, scored.balance, over_runs).confirms
 
 
-# Models that ship for the same case: whether one predicts better as it stands than what was found.
-
-
 @dataclass(frozen=True)
 class Sibling:
-    """A shipped model that predicts the held-out part better.
-
-    rmse: of its mechanical balance in the unit of the extended model's; percent: less error than the model
-    that was found, with its 95 % `interval`.
-    """
+    """A shipped model that predicts the held-out part better."""
 
     name: str
-    rmse: float
-    percent: float
-    interval: tuple[float, float]
+    rmse: float  # of its mechanical balance in the unit of the extended model's
+    percent: float  # less error than the model that was found
+    interval: tuple[float, float]  # 95 % of that
 
 
 def better_sibling(plain: Model, models: Models) -> Sibling | None:
@@ -263,25 +252,17 @@ def _case(model: Model) -> tuple[bool, bool]:
     return model.balance("mechanical").sum_of("gravity") != 0, model.tilted
 
 
-# The effect that comes closest where none is adopted, and what it takes out of the held-out error.
-
-
 @dataclass(frozen=True)
 class Closest:
-    """The best single effect of the search whose fit settles, and what it gains on the held-out part.
-
-    effect: it; balance: the one that shows it; before, after: held-out RMSE of the paper's model and of the
-    model with this effect, in the unit of the balance; percent: 100 (1 - after/before), with its 95 %
-    `interval`; below: the same below the low pass, as in `Score`.
-    """
+    """The best single effect of the search whose fit settles, and what it gains on the held-out part."""
 
     effect: Effect
-    balance: str
-    before: float
-    after: float
-    percent: float
-    interval: tuple[float, float]
-    below: BelowLowPass | None
+    balance: str  # the one that shows it
+    before: float  # held-out RMSE of the paper's model, in the unit of the balance
+    after: float  # of the model with this effect
+    percent: float  # 100 (1 - after/before)
+    interval: tuple[float, float]  # 95 % of that
+    below: BelowLowPass | None  # the same below the low pass, as in `Score`
 
 
 def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models) -> Closest | None:
@@ -319,8 +300,6 @@ def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models
 
 
 # Estimates beside what is known from elsewhere: outside such a range, a name is not the whole story.
-
-
 @dataclass(frozen=True)
 class RangeCheck:
     """A figure of an effect beside the known range.

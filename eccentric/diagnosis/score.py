@@ -51,22 +51,19 @@ class BelowLowPass:
 
 @dataclass(frozen=True)
 class Score:
-    """What the held-out part says.
+    """What the held-out part says."""
 
-    rmse: balance -> model -> held-out RMSE [N m, or the unit of the drive]; per_drive: the same of the
-    mechanical balance in the unit of the drive while the motor is on, if the torque is not measured;
-    free: held-out RMSE [N m] while the motor is off; `percent` and `interval` are those of `balance`;
-    below: the same below the low pass, None where rows are averages or nothing was adopted.
-    """
-
+    # balance -> model -> held-out RMSE [N m, or the unit of the drive]
     rmse: Mapping[str, Mapping[str, float]]
+    # of the mechanical balance in the unit of the drive while the motor is on, if the torque is not
+    # measured
     per_drive: Mapping[str, float]
-    free: Mapping[str, float]
-    balance: str
+    free: Mapping[str, float]  # held-out RMSE [N m] while the motor is off
+    balance: str  # that `percent` and `interval` are of
     percent: float
     interval: tuple[float, float]
     over_runs: OverRuns | None
-    below: BelowLowPass | None = None
+    below: BelowLowPass | None = None  # None where rows are averages or nothing was adopted
 
     @property
     def confirms(self) -> bool:
@@ -178,8 +175,6 @@ def leave_runs_out(base: Model, extended: Refit, data: FitData, bounds: bool = T
 # one frequency, and its order changes from speed to speed.  Each stretch of several turns has its own
 # spectrum (Lomb-Scargle, over the angle instead of time), so that no common zero of the angle is needed, as
 # it is for an effect: an angle integrated from the speed of each run is enough.
-
-
 TURN = 2.0 * np.pi
 _GRID = np.arange(limits.LOWEST_ORDER, limits.HIGHEST_ORDER, limits.ORDER_STEP)
 """Orders of the spectra."""
@@ -187,17 +182,12 @@ _GRID = np.arange(limits.LOWEST_ORDER, limits.HIGHEST_ORDER, limits.ORDER_STEP)
 
 @dataclass(frozen=True)
 class Order:
-    """A periodic part of the torque.
+    """A periodic part of the torque."""
 
-    per_turn: cycles per turn of the motor; amplitude: RMS over the stretches of its amplitude [N m]; share:
-    of the variance within the stretches, on average; seen: in how many of the `stretches` it is a peak,
-    `ABOVE` times the median of their own spectrum.
-    """
-
-    per_turn: float
-    amplitude: float
-    share: float
-    seen: int
+    per_turn: float  # cycles per turn of the motor
+    amplitude: float  # RMS over the stretches of its amplitude [N m]
+    share: float  # of the variance within the stretches, on average
+    seen: int  # stretches where it is a peak, `ABOVE` times the median of their own spectrum
     stretches: int
 
 

@@ -35,8 +35,6 @@ from eccentric.model import TURNING, AxisKind, Model
 from eccentric.model import vocabulary as v
 from eccentric.signals import LEAST_HELD_OUT, Channels, require_rows
 
-# What a person asked of the search: effects that the model has from the start, and what it may offer.
-
 
 @dataclass(frozen=True)
 class SearchRequest:
@@ -116,29 +114,20 @@ def _require_known(word: str, name: str, offered: Sequence[Effect]) -> None:
 Array = np.ndarray
 
 
-# A log, ready for a search.
-
-
 @dataclass(frozen=True)
 class Stage:
-    """A log with a base model, ready for a search or a fit.
+    """A log with a base model, ready for a search or a fit."""
 
-    plain: the base model as given; base: with the constant load of the rig; balances: residuals of the
-    training part, with the noise of a window; friction: coefficients of a first fit; instruments: signals
-    without the noise of the target, None where there are none; differing: warnings of runs unlike the
-    others; offered: the effects of the library that the log can show.
-    """
-
-    plain: Model
-    base: Model
+    plain: Model  # the base model as given
+    base: Model  # with the constant load of the rig
     data: FitData
-    balances: Sequence[BalanceDesign]
-    noise: dict[str, float]
-    friction: Array
-    instruments: Signals | None
+    balances: Sequence[BalanceDesign]  # residuals of the training part
+    noise: dict[str, float]  # of a window, by balance
+    friction: Array  # coefficients of a first fit
+    instruments: Signals | None  # signals without the noise of the target, None where there are none
     setting: Setting
-    differing: tuple[str, ...]
-    offered: tuple[Effect, ...]
+    differing: tuple[str, ...]  # warnings of runs unlike the others
+    offered: tuple[Effect, ...]  # the effects of the library that the log can show
 
     def candidates(self, effects: Sequence[Effect]) -> list[Candidate]:
         """The effects as the search compares them."""
@@ -257,9 +246,6 @@ def _require_supported(model: Model, channels: Channels) -> None:
         )
     if v.temperature.symbol in used and channels.temperature is None:
         raise InputError(name, problem="diagnose requires a temperature in the log, got none")
-
-
-# Recordings that differ: level of friction and gain of the drive, run by run, before they are pooled.
 
 
 def runs_that_differ(

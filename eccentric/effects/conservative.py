@@ -186,8 +186,6 @@ def cable_spring(setting: Setting) -> Iterator[Effect]:
 # The weight on a screw drive, a spring at its working point. Not a family of the library: a declared load
 # belongs to the base model, and an undeclared one is indistinguishable from friction that differs between the
 # directions.
-
-
 T_load = quantity("T_load", "N m", "constant torque of the load on the link, against positive motion")
 
 constant_load: Effect = addition(

@@ -20,8 +20,6 @@ from eccentric.core import InputError, asks, run_script
 from eccentric.model import AxisKind, Change, Equation, Extension, Model, Parts, Quantity, extended, missing
 from eccentric.model import vocabulary as v
 
-# What the library of effects depends on: a case, known parameters, and the ranges that a log covers.
-
 
 @dataclass(frozen=True)
 class Setting:
@@ -108,9 +106,6 @@ class Setting:
         return set(channels) <= self.channels
 
 
-# What a person reads about an effect; written once, beside its physics.
-
-
 @dataclass(frozen=True)
 class Kin:
     """Families that follow the same variable, so that one log may not distinguish them.
@@ -191,9 +186,6 @@ def measurement_between(first: tuple[str, Words], second: tuple[str, Words]) -> 
     of_kin = [own.tell_apart.get(other.kin.name) for (_, own), (_, other) in pairs if other.kin]
     kins = [own.kin.tell_apart.get(other.kin.name) for (_, own), (_, other) in pairs if own.kin and other.kin]
     return next(filter(None, [*own, *of_kin, *kins]), "")
-
-
-# An effect: a record of its physics, and the words that go with it.
 
 
 @dataclass(frozen=True)
@@ -456,9 +448,6 @@ class Effect:
             left, right, unit = last.symbol, last.value, last.quantity.unit
         name = "_".join(filter(None, (self.family, self.variant.replace("=", "_"))))
         return Equation(name, "", left, right, unit, f"Effect {self.id}: {self.formula}. {self.reference}.")
-
-
-# Load a user's own effects from a file, given by path.
 
 
 def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:

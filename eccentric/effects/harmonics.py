@@ -20,17 +20,7 @@ from eccentric.effects.forms import (
     theta_m,
 )
 from eccentric.effects.loads import ROLLING
-from eccentric.model import (
-    ANGLE,
-    GEARS,
-    IRON,
-    MAGNETS,
-    MOTOR_ANGLE,
-    HalfSine,
-    Quantity,
-    Role,
-    quantity,
-)
+from eccentric.model import ANGLE, GEARS, IRON, MAGNETS, MOTOR_ANGLE, HalfSine, Quantity, Role, quantity
 from eccentric.model import vocabulary as v
 
 LINK_ORDERS, MOTOR_ORDERS = range(1, 13), range(1, 25)
@@ -51,7 +41,6 @@ def _parts(name: str, n: int, unit: str, what: str, angle: str) -> tuple[Quantit
 
 
 def _size(C: Quantity, S: Quantity) -> sp.Expr:
-    """The amplitude of a harmonic."""
     return sp.sqrt(C.symbol**2 + S.symbol**2)
 
 

@@ -285,9 +285,6 @@ def joint_compliance(setting: Setting) -> Iterator[Effect]:
     )
 
 
-# Slopes of a torque over velocity and angle, with those of the normal force, which follows both.
-
-
 class _Slopes(NamedTuple):
     """Velocity times the slope over it [N m], the slope over the motor angle [N m/rad], and what both use."""
 

@@ -103,10 +103,7 @@ def magnet_temperature(setting: Setting) -> Iterator[Effect]:
         definitions=(zero,),
         inputs=(v.temperature,),
         only_with={"motor": MAGNETS},
-        plausible=(
-            known,
-            constant_off(cold.symbol, "torque constant at the median temperature", warm=True),
-        ),
+        plausible=(known, constant_off(cold.symbol, "torque constant at the median temperature", warm=True)),
         words=Words(
             headline="torque and back-EMF constants that fall as the magnets warm up",
             meaning=(

@@ -20,15 +20,6 @@ from eccentric.emission.compensate import gain_of, gravity_apart, render_compens
 from eccentric.emission.defaults import FittedValues, checked_name, document_of, read_parameters, with_fitted
 from eccentric.emission.hot import executed, executed_beside, inputs_of, load_module
 from eccentric.emission.inertial_loss import InertialLoss, inertial_loss, require_solvable
-from eccentric.emission.program import (
-    WHOLE,
-    Arrays,
-    Call,
-    Choice,
-    InSingle,
-    Program,
-    Routine,
-    build_program,
-)
+from eccentric.emission.program import WHOLE, Arrays, Call, Choice, InSingle, Program, Routine, build_program
 from eccentric.emission.render import differences, render, render_code, render_program, write
 from eccentric.emission.templates import plain, template

@@ -19,34 +19,20 @@ from eccentric.model import AXES, C_KEYWORDS, TURNING, Model, in_general_letters
 
 @dataclass(frozen=True)
 class FittedValues:
-    """What a fit hands to emission.
+    """What a fit hands to emission."""
 
-    Attributes:
-        source: name of the file, for error messages.
-        model: name of the model that was fitted, None where the file names none.
-        values: parameter by the paper's letter, in SI units.
-        notes: parameter -> remark for its comment, such as its interval.
-        identified_on: range of speeds and temperatures, for the head of the files.
-        fits_the_rig: false if the fit says that its log does not fit the rig.
-        back_emf_in_friction: whether the values of viscous friction contain the back-EMF.
-        current_known: whether the values give a current in amperes.
-        voltage_known: whether the values give a voltage.
-        torque_unit: of the values: "N m", or "V" or "A" without a scale for a torque.
-        chain: of an arm, what tells it from another; empty where the file does not say.
-        bodies: of an arm, the inertial parameters that the fit identified, by name; empty if it did not.
-    """
-
-    source: str
-    model: str | None
-    values: dict[str, float]
-    notes: dict[str, str]
-    identified_on: str
-    fits_the_rig: bool
-    back_emf_in_friction: bool
-    current_known: bool
-    voltage_known: bool
-    torque_unit: str
-    chain: Mapping[str, Any]
+    source: str  # name of the file, for error messages
+    model: str | None  # name of the model that was fitted, None where the file names none
+    values: dict[str, float]  # parameter by the paper's letter, in SI units
+    notes: dict[str, str]  # parameter -> remark for its comment, such as its interval
+    identified_on: str  # range of speeds and temperatures, for the head of the files
+    fits_the_rig: bool  # false if the fit says that its log does not fit the rig
+    back_emf_in_friction: bool  # whether the values of viscous friction contain the back-EMF
+    current_known: bool  # whether the values give a current in amperes
+    voltage_known: bool  # whether the values give a voltage
+    torque_unit: str  # of the values: "N m", or "V" or "A" without a scale for a torque
+    chain: Mapping[str, Any]  # of an arm, what tells it from another; empty where the file does not say
+    # of an arm, the inertial parameters that the fit identified, by name; empty if it did not
     bodies: Mapping[str, float]
 
 
@@ -188,9 +174,6 @@ def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
         fitted.torque_unit,
         fits_the_rig=fitted.fits_the_rig,
     )
-
-
-# Names that are valid for files, a Python module and C functions.
 
 
 # The standard headers of C90 to C23 (ISO/IEC 9899, 7.1.2): a file with such a name would hide them.

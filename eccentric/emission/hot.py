@@ -16,9 +16,6 @@ import numpy as np
 from eccentric.emission.render import render_code
 from eccentric.model import AxisKind, Model, Quantity, cached, spoken_quantity
 
-# Execute an emitted NumPy module from memory, with its runtime beside it.
-
-
 _PACKAGE, _RUNTIME = "eccentric_emitted", "eccentric_runtime"
 _numbers = count()
 
@@ -76,9 +73,6 @@ def load_module(model: Model) -> ModuleType:
             del sys.modules[oldest.__name__]
         _by_model[id(model)] = (model, module)
     return _by_model[id(model)][1]
-
-
-# Call the functions of an emitted module at states of the motion.
 
 
 def inputs_of(function: Any) -> tuple[str, ...]:

@@ -162,9 +162,6 @@ def _code(program: Program, backend: Backend, *, single_file: bool = False) -> d
     return {file: text for file, text in texts.items() if text}  # a template may have nothing to say
 
 
-# Rendered files on the disk.
-
-
 def write(files: Mapping[str, str], out: Path) -> list[Path]:
     """Write rendered files, name -> text, as one set; those that are already fresh are not touched.
 

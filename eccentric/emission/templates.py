@@ -21,12 +21,10 @@ class _Cache(jinja2.BytecodeCache):
         self._settings = settings
 
     def load_bytecode(self, bucket: Bucket) -> None:
-        """Take what was kept for a template."""
         if (kept := derived.get(f"template {self._settings} {bucket.key}")) is not None:
             bucket.bytecode_from_string(kept)
 
     def dump_bytecode(self, bucket: Bucket) -> None:
-        """Keep a compiled template."""
         derived.put(f"template {self._settings} {bucket.key}", bucket.bytecode_to_string())
 
 
@@ -46,9 +44,6 @@ def _environment(*, page: bool) -> jinja2.Environment:
 def template(name: str, *, page: bool = False) -> jinja2.Template:
     """The template `templates/NAME.jinja`, such as `numpy/module.py`; on a page of HTML text is escaped."""
     return _environment(page=page).get_template(f"{name}.jinja")
-
-
-# Titles, meanings and units, as comments and docstrings can hold them.
 
 
 def plain(text: str) -> str:

@@ -263,27 +263,18 @@ def _best(series: Series, fit: _Fitted, variance: float, prior: float) -> FleetC
 #
 # A trend has hardly any past: where it is too short, all periods are fitted together, with the shape of the
 # change in every coefficient.
-
-
 @dataclass(frozen=True)
 class Changed:
-    """Explanation of a change by the sums of a joint.
+    """Explanation of a change by the sums of a joint."""
 
-    `names` are the changed coefficients, strongest first, empty if none explains it; `kinds` their kinds.
-    `before` and `after` are RMS errors [N m, or N] of the recent periods: with the coefficients of the
-    past, and with the named ones refitted. `usual` is the error of the past's coefficients on the past,
-    `free` that of all coefficients fitted to the recent periods, `explained` the fraction of the new error
-    (squared) explained by the names; `level` is the mean friction torque of the past [N m, or N].
-    """
-
-    names: tuple[str, ...]
-    kinds: tuple[str, ...]
-    before: float
-    after: float
-    usual: float
-    free: float
-    explained: float
-    level: float
+    names: tuple[str, ...]  # the changed coefficients, strongest first, empty if none explains it
+    kinds: tuple[str, ...]  # their kinds
+    before: float  # RMS error of the recent periods with the coefficients of the past [N m, or N]
+    after: float  # the same with the named ones refitted
+    usual: float  # the error of the past's coefficients on the past
+    free: float  # that of all coefficients fitted to the recent periods
+    explained: float  # the fraction of the new error (squared) that the names explain
+    level: float  # the mean friction torque of the past [N m, or N]
 
     @property
     def matters(self) -> bool:
@@ -375,9 +366,6 @@ def _least(rows: Sequence[tuple[Array, Array]], periods: Sequence[Period]) -> tu
     values = np.asarray(np.linalg.lstsq(x, y, rcond=None)[0], float)
     residual = y - x @ values
     return values, math.sqrt(float(residual @ residual) / sum(p.windows for p in periods))
-
-
-# Joints that cannot be judged, or whose result is doubtful: too few periods, or another joint's rig.
 
 
 _NEAR = "expected inertia and gravity near those of the rig"

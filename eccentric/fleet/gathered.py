@@ -40,14 +40,13 @@ from eccentric.fleet.work import (
 from eccentric.model import AXES, TURNING, AxisKind
 from eccentric.rigs import Rig, knowns_of, read_rig, rig_of
 
+
 # RIGS -> the rig of each joint: one rig file for all, or a table of joints with rig files and values.
 #
 # rigs.csv      joint,rig,M_kg,k_i_Nm_per_A     further columns are keys of [known]; empty: the file's value
 # rigs.toml     [joints.J7]  rig = "arm.toml"  known = { M = "1.2 kg" }
 #
 # Paths of rig files are relative to the table.
-
-
 class Assigned:
     """The rigs of a fleet, read on demand."""
 
@@ -129,7 +128,8 @@ def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
             if None in row or None in row.values():
                 raise InputError(where, f"{len(names)} entries", "more or fewer")
             joint, rig = row.pop("joint"), row.pop("rig")
-            _require_new(joint, assigned, where)
+            if joint in assigned:
+                raise InputError(where, "each joint", f"{joint!r} twice", why="only once")
             assigned[joint] = rig, {key: _value(text) for key, text in row.items() if text.strip()}
     except csv.Error as error:
         raise InputError(
@@ -139,7 +139,6 @@ def _of_csv(path: Path) -> dict[str, tuple[str, Mapping[str, Any]]]:
 
 
 def _value(text: str) -> float | str:
-    """A number, or text with a unit."""
     try:
         return float(text)
     except ValueError:
@@ -158,28 +157,20 @@ def _of_toml(joints: object, path: Path) -> dict[str, tuple[str, Mapping[str, An
     return assigned
 
 
-def _require_new(joint: str, assigned: Mapping[str, object], where: str) -> None:
-    if joint in assigned:
-        raise InputError(where, "each joint", f"{joint!r} twice", why="only once")
-
-
 Progress = Callable[[float, str], None]
 
 
 @dataclass
 class Plan:
-    """The jobs by joint, the joints' rigs with content and digests, and the problems so far.
+    """The jobs by joint, the joints' rigs with content and digests, and the problems so far."""
 
-    `joints` are those with logs or sums; `reused` counts the files with cached sums.
-    """
-
-    joints: frozenset[str] = frozenset()
+    joints: frozenset[str] = frozenset()  # those with logs or sums
     jobs: dict[str, list[Job]] = field(default_factory=dict)
     rigs: dict[str, Rig] = field(default_factory=dict)
     contents: dict[str, Mapping[str, Any] | None] = field(default_factory=dict)
     recipes: dict[str, str] = field(default_factory=dict)
     problems: list[FleetProblem] = field(default_factory=list)
-    reused: int = 0
+    reused: int = 0  # files with cached sums
 
     @property
     def files(self) -> int:
@@ -301,7 +292,6 @@ class _PresentLogs:
             self._by_stem.add((log.period, without_suffix(log.name)))
 
     def unchanged(self, row: Key) -> bool:
-        """Whether the log of some sums is unchanged."""
         return self._by_name.get((row.period, row.name)) == (row.size, row.changed)
 
     def gone(self, row: Key) -> bool:

@@ -130,7 +130,6 @@ def _period(name: str, stack: Array, headings: Sequence[Heading], coverage: Cove
 
 
 def _together(parts: Sequence[Coverage]) -> Coverage:
-    """Combine the coverage of several files."""
     seconds = sum(c.seconds for c in parts)
     moving = [c for c in parts if c.seconds > 0.0]
     warm = [c for c in moving if math.isfinite(c.temperature)]
@@ -149,9 +148,6 @@ def _together(parts: Sequence[Coverage]) -> Coverage:
         coldest=min((c.coldest for c in warm), default=math.nan),
         warmest=max((c.warmest for c in warm), default=math.nan),
     )
-
-
-# The temperature of each joint in each period; without a working sensor, that of the fleet.
 
 
 def temperatures_of(histories: Sequence[History]) -> tuple[dict[str, dict[str, float]], list[FleetProblem]]:

@@ -38,9 +38,6 @@ from eccentric.fleet.sources import NO_RIG, OTHER_RIG, SCHEDULER, FleetProblem, 
 from eccentric.fleet.work import Sample, arrow_of, sample_of
 from eccentric.rigs import Rig
 
-# The explanation of a joint's drift in words: what changed, since when, how urgent it is.
-
-
 _KINDS = {
     "viscous": "viscous friction",
     "coulomb": "Coulomb friction",
@@ -298,8 +295,9 @@ def run_fleet(
         suspects = [
             suspect
             for joint, discoveries in called.items()
-            for samples in [_samples(out, joint, plan.recipes[joint], by_joint.get(joint, []))]
-            for suspect in [_suspect(by_name[joint], discoveries, heat[joint], plan, samples)]
+            for suspect in [
+                _suspect(by_name[joint], discoveries, heat[joint], plan, out, by_joint.get(joint, []))
+            ]
             if suspect.changed.matters
         ]
         examined = {s.joint: word for s in suspects if (word := known(s)) is not None}
@@ -330,7 +328,6 @@ class _Cluster:
 
     @cached_property
     def client(self) -> Any:
-        """The client of the cluster."""
         return self._stack.enter_context(connected(self._request.scheduler, self._request.workers))
 
     def __enter__(self) -> Self:
@@ -366,31 +363,19 @@ def _examined(
 
 
 def _suspect(
-    history: History, called: Sequence[FleetChange], heat: Mapping[str, float], plan: Plan, samples: _Samples
+    history: History,
+    called: Sequence[FleetChange],
+    heat: Mapping[str, float],
+    plan: Plan,
+    out: Path,
+    logs: Sequence[LogFile],
 ) -> Suspect:
-    """A drifting joint with its rig and the samples of its past and recent logs."""
-    ranked = sorted(called, key=lambda change: (change.p, -abs(change.part)))
-    past, recent = recent_of(history, ranked[0])
-    return Suspect(
-        history.joint,
-        plan.rigs[history.joint],
-        plan.contents[history.joint],
-        tuple(ranked),
-        against_the_past(history, ranked[0], heat),
-        samples([p.period for p in reversed(past)]),
-        samples([p.period for p in reversed(recent)]),
+    """A drifting joint with its rig and samples of the last logs of its past, and of the recent ones."""
+    joint, ranked = history.joint, sorted(called, key=lambda change: (change.p, -abs(change.part)))
+    stored = stored_of(out, joint, plan.recipes[joint], logs)
+    samples = (
+        next(filter(None, (sample_of(stored[p.period], logs) for p in reversed(periods))), None)
+        for periods in recent_of(history, ranked[0])
     )
-
-
-_Samples = Callable[[Sequence[str]], Sample | None]
-
-
-def _samples(out: Path, joint: str, recipe: str, logs: Sequence[LogFile]) -> _Samples:
-    """A function from periods to a sample of the first period with logs."""
-    stored = stored_of(out, joint, recipe, logs)
-
-    def first(periods: Sequence[str]) -> Sample | None:
-        samples = (sample_of(stored[period], logs) for period in periods)
-        return next((sample for sample in samples if sample is not None), None)
-
-    return first
+    changed = against_the_past(history, ranked[0], heat)
+    return Suspect(joint, plan.rigs[joint], plan.contents[joint], tuple(ranked), changed, *samples)

@@ -17,9 +17,6 @@ from pathlib import Path
 
 from eccentric.core import InputError, given_path, so_more
 
-# Problems, one row each: the run continues, and its exit status reports that there are some.
-
-
 NOT_GROUPED = "not grouped"
 """Kind of problem: a file that belongs to no joint or period."""
 NO_RIG = "no rig"
@@ -62,17 +59,14 @@ _WIDTH = {"year": 4, "month": 2, "week": 2, "day": 2}
 
 @dataclass(frozen=True, order=True)
 class LogFile:
-    """A log of a joint in a period; `name` is its path below the root.
-
-    `size` [bytes] and `changed` (modification time, ns) identify the version that was read.
-    """
+    """A log of a joint in a period."""
 
     joint: str
     period: str
-    name: str
+    name: str  # its path below the root
     path: Path
-    size: int
-    changed: int
+    size: int  # [bytes], which identifies with `changed` the version that was read
+    changed: int  # modification time [ns]
 
 
 def find(logs: str, pattern: str | None = None) -> tuple[list[LogFile], list[FleetProblem]]:

@@ -40,8 +40,6 @@ from eccentric.signals import stream_columns
 # digest of how the sums were computed: rig values, row filters, this module's version. If all agree, the log
 # is not read again. A later row for a log replaces an earlier one; until then a row with another digest is
 # retained, since its log may be archived and the rig values may be restored.
-
-
 _VERSION = 4
 _HEADINGS = b"eccentric.columns"
 _Row = TypeVar("_Row", bound="Key")
@@ -120,7 +118,6 @@ def _number(part: Path) -> int:
 
 
 def _encoded(rows: Sequence[Stored]) -> Any:
-    """The rows as a Parquet file."""
     arrow, parquet = arrow_of()
     table: dict[str, list[Any]] = {
         "period": [row.period for row in rows],
@@ -212,9 +209,6 @@ def arrow_of() -> tuple[Any, Any]:
         raise InputError("fleet", problem='pyarrow is required: pip install "eccentric[fleet]"') from None
 
 
-# The work on one log.
-
-
 @dataclass(frozen=True)
 class Job:
     """A log file, its joint's rig, and the digest of their sums."""
@@ -289,9 +283,6 @@ def _columns_of(job: Job) -> Columns:
             _columns.clear()
         _columns[job.recipe] = Columns(job.rig)
     return _columns[job.recipe]
-
-
-# The part of a long log with the most motion, for a diagnosis.
 
 
 @dataclass(frozen=True)

@@ -34,18 +34,13 @@ _OF_RIGS = {known.name for known in KNOWNS}
 
 @dataclass(frozen=True, kw_only=True)
 class Combination(Coefficient):
-    """A coefficient of a fit in the paper's letters: what the rig leaves open of the scaled balance.
+    """A coefficient of a fit in the paper's letters: what the rig leaves open of the scaled balance."""
 
-    `expression` is its name, `meaning` its value in parameters, `letter` the coefficient without the scale,
-    `mechanical_unit` its unit. `parameter` is the parameter of the model that represents it when the fit is
-    emitted, "" for none.
-    """
-
-    expression: sp.Expr
-    meaning: sp.Expr
-    letter: str
-    mechanical_unit: str
-    parameter: str = ""
+    expression: sp.Expr  # its name
+    meaning: sp.Expr  # its value in parameters
+    letter: str  # the coefficient without the scale
+    mechanical_unit: str  # its unit
+    parameter: str = ""  # of the model, which represents it when the fit is emitted, "" for none
 
 
 def as_text(expression: sp.Expr) -> str:
@@ -233,9 +228,6 @@ def _inertia_range(rig: Rig, machine: Machine) -> tuple[float, float]:
     return machine.inertia(low), machine.inertia(high)
 
 
-# The parameters of a model that its rig gives, and those that have a value without one.
-
-
 def own_letters(model: Model) -> dict[str, float]:
     """Parameters of a derivation or an effect that no rig knows, with their defaults, which hold."""
     # Every rig with a case has a tilt; a model without one may have another quantity of that name.
@@ -297,8 +289,6 @@ def load_letters(model: Model) -> set[str]:
 # Every column of the problem has a coefficient that is an expression in the letters.  A letter is
 # identifiable if its direction is in the row space of the Jacobian of those expressions: then no change of
 # the other letters compensates for a change of it.
-
-
 def identified_letters(
     coefficients: Sequence[Combination], fixed: Collection[str]
 ) -> tuple[list[str], list[str]]:

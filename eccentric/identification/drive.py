@@ -213,26 +213,18 @@ class Machine:
 # What a joint meets along a log from outside its own motor: the loads of its bearing, and the other joints.
 #
 # A single link has none of it: its loads follow from its own angle and velocity.
-
-
 @dataclass(frozen=True)
 class MetAlong:
-    """Signals of a log (n,) that a model takes as inputs besides the motion of its motor.
+    """Signals of a log (n,) that a model takes as inputs besides the motion of its motor."""
 
-    Attributes:
-        signals: by the name of the input, in SI units.
-        torque: the sum of those that the drive has to supply, motor side [N m]: they come from filtered
-            angles and must not pass the low pass twice.
-        force: name of the signal that is the normal force on the bearing [N]; "" for none.
-        open: what the rig leaves open of the bodies, coefficient -> column of torque, from the same angles.
-        below: the same with all angles below another cut-off [Hz].
-    """
-
-    signals: Mapping[str, Array]
+    signals: Mapping[str, Array]  # by the name of the input, in SI units
+    # the sum of those that the drive has to supply, motor side [N m]: they come from filtered
+    # angles and must not pass the low pass twice
     torque: Array
-    force: str = ""
+    force: str = ""  # name of the signal that is the normal force on the bearing [N]; "" for none
+    # what the rig leaves open of the bodies, coefficient -> column of torque, from the same angles
     open: Mapping[Coefficient, Array] = field(default_factory=dict)
-    below: Callable[[float], MetAlong] | None = None
+    below: Callable[[float], MetAlong] | None = None  # the same with all angles below another cut-off [Hz]
 
     def narrowed(self, cut_hz: float) -> MetAlong:
         """The same with all angles below a cut-off."""
@@ -245,8 +237,6 @@ class MetAlong:
 # have nothing above half of the log's rate. A torque that repeats faster, and the current that goes with
 # it, alias to slow ones that the acceleration never had: such rows neither show the torque nor contradict
 # it.
-
-
 def unresolved(
     terms: Sequence[Term], values: Mapping[str, float], omega_m: NDArray[np.float64], step_s: float
 ) -> list[tuple[tuple[str, ...], NDArray[np.bool_]]]:
@@ -305,35 +295,26 @@ def in_drive_unit(unit: str, drive: str) -> str:
 
 @dataclass(frozen=True)
 class Drive:
-    """The drive of the rig.
+    """The drive of the rig."""
 
-    Attributes:
-        machine: motor, armature and inertia of the base model.
-        channels: with delay, zero angle and offset as identified.
-        known: value of every parameter that is no friction coefficient, known or identified, SI units; k_i is
-            1 N m/A where a voltage determines R/k_i alone.
-        scale: s, None if the torque is measured.
-        unit: of torques: "N m", or "V" or "A" if nothing in the log determines the scale.
-        open: the free columns, by their roles: those of a parameter of the model (inertia, load) and those
-            outside it (gravity, back_emf, offset, zero_angle).
-        adjusts: what a free gravity column changes: the scale, or L, M or phi known by a range. The column is
-            bounded by the range that the rig gives it, of phi in cos(phi).
-        identified: letters that were estimated from the log, for the report.
-        warnings: of the first fit.
-        rotor: inertia of the motor if the rig knows it, and that of the link has to be estimated [kg m^2].
-        along: what a joint of a chain meets besides the motion of its motor; None for a single link.
-    """
-
-    machine: Machine
-    channels: Channels
+    machine: Machine  # motor, armature and inertia of the base model
+    channels: Channels  # with delay, zero angle and offset as identified
+    # value of every parameter that is no friction coefficient, known or identified, SI units; k_i
+    # is 1 N m/A where a voltage determines R/k_i alone
     known: Mapping[str, float]
-    scale: float | None
-    unit: str
+    scale: float | None  # s, None if the torque is measured
+    unit: str  # of torques: "N m", or "V" or "A" if nothing in the log determines the scale
+    # the free columns, by their roles: those of a parameter of the model (inertia, load) and those
+    # outside it (gravity, back_emf, offset, zero_angle)
     open: tuple[Coefficient, ...] = ()
+    # what a free gravity column changes: the scale, or L, M or phi known by a range. The column is
+    # bounded by the range that the rig gives it, of phi in cos(phi).
     adjusts: str = ""
-    identified: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    identified: tuple[str, ...] = ()  # letters that were estimated from the log, for the report
+    warnings: tuple[str, ...] = ()  # of the first fit
+    # inertia of the motor if the rig knows it, and that of the link has to be estimated [kg m^2]
     rotor: float | None = None
+    # what a joint of a chain meets besides the motion of its motor; None for a single link
     along: MetAlong | None = None
 
     @property

@@ -39,30 +39,23 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Signals:
-    """The smooth signals of one log that expressions are evaluated on, all of shape (samples,), in SI units.
+    """The smooth signals of one log that expressions are evaluated on, each (samples,), in SI units."""
 
-    Attributes:
-        values: input name -> signal: theta_m, omega_m, alpha_m, t, and if available i, u, temperature.
-        dt: step to the next sample [s].
-        starts: index of the first sample of each run; hidden states restart there.
-        known: value of every parameter that is not a friction coefficient.
-        open: what the rig leaves open, coefficient -> column of torque [N m]; part of every base.
-        friction: positions of the columns of the regressor that are not identically zero.
-        base: the model whose definitions are signals.
-        by_row: parameters that differ along the log, where runs carry more mass: name -> (samples,), in place
-            of those in `known`.
-        bridged: of the starts, those of a window of a long log, with the steps since the sample before; what
-            warms up goes on from there.
-    """
-
+    # input name -> signal: theta_m, omega_m, alpha_m, t, and if available i, u, temperature
     values: Mapping[str, Array]
-    dt: Array
-    starts: tuple[int, ...]
-    known: Mapping[str, float]
+    dt: Array  # step to the next sample [s]
+    starts: tuple[int, ...]  # index of the first sample of each run; hidden states restart there
+    known: Mapping[str, float]  # value of every parameter that is not a friction coefficient
+    # what the rig leaves open, coefficient -> column of torque [N m]; part of every base
     open: Mapping[Coefficient, Array] = field(default_factory=dict)
+    # positions of the columns of the regressor that are not identically zero
     friction: tuple[int, ...] | None = None
-    base: Model | None = None
+    base: Model | None = None  # the model whose definitions are signals
+    # of the starts, those of a window of a long log, with the steps since the sample before; what
+    # warms up goes on from there
     bridged: Mapping[int, int] = field(default_factory=dict)
+    # parameters that differ along the log, where runs carry more mass: name -> (samples,), in place
+    # of those in `known`
     by_row: Mapping[str, Array] = field(default_factory=dict)
 
     def columns(self, model: Model) -> tuple[Column, ...]:
@@ -243,9 +236,6 @@ def _in_full(expression: sp.Expr, definitions: tuple[tuple[sp.Symbol, sp.Expr], 
         if symbol in needed:
             put_in[symbol] = value.xreplace(put_in)
     return meaning(expression.xreplace(put_in))
-
-
-# Hidden states of a model along a log: solved at once where the update is affine, else sample by sample.
 
 
 def state_series(model: Model, signals: Signals, shape: Mapping[str, float]) -> dict[str, Array]:

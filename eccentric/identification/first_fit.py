@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
 from eccentric.core import InputError, MissingValueError
 from eccentric.identification import limits
@@ -19,8 +18,6 @@ from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.rigs import ALIGNMENT, Rig, mass_alone
 from eccentric.signals import Channels
-
-Array = NDArray[np.float64]
 
 
 def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:

@@ -274,6 +274,10 @@ def deceleration_noise(drive: Drive, rows: Rows) -> float:
     return white_noise(every, rows.run[::2])
 
 
+_IN_THE_MODEL: set[ColumnRole] = {"inertia", "load"}
+"""What the rig leaves open of parameters of the model; the rest is outside its module."""
+
+
 # Fit a model, extended or not, on its own emitted module: what is scored is what is shipped.
 #
 # The residual of the mechanical balance is linear in friction, in the coefficients of effects and in what the
@@ -283,25 +287,15 @@ def deceleration_noise(drive: Drive, rows: Rows) -> float:
 #
 # If only one signal measures the drive, effects of the current use the one that the model predicts,
 # (torque - residual)/k_i of the previous step: with the measured one the drive would explain itself.
-
-
-Mask = NDArray[np.bool_]
-_IN_THE_MODEL: set[ColumnRole] = {"inertia", "load"}
-"""What the rig leaves open of parameters of the model; the rest is outside its module."""
-
-
 @dataclass(frozen=True)
 class Point:
-    """The state of an iteration: every parameter of the model, scale and offset of the drive, zero angle.
-
-    `current` (samples,) [A at the scale] is the one that effects use; None for the measured one.
-    """
+    """The state of an iteration: every parameter of the model, scale and offset of the drive, zero angle."""
 
     values: Values
     scale: float | None
     offset: float = 0.0
     zero: float = 0.0
-    current: Array | None = None
+    current: Array | None = None  # (samples,) [A at the scale], which effects use; None for the measured one
 
 
 @dataclass(frozen=True)
@@ -320,17 +314,13 @@ class Step:
 
 @dataclass(frozen=True)
 class Extended:
-    """A base model with effects on a log, ready to be fitted.
-
-    groups: the friction coefficients, those of a group are one number; bounds: whether they are held within
-    theirs.
-    """
+    """A base model with effects on a log, ready to be fitted."""
 
     model: Model
     effects: tuple[tuple[Effect, Values], ...]
     data: FitData
-    groups: tuple[tuple[Coefficient, ...], ...]
-    bounds: bool
+    groups: tuple[tuple[Coefficient, ...], ...]  # the friction coefficients, those of a group are one number
+    bounds: bool  # whether they are held within theirs
 
     @property
     def shapes(self) -> Values:

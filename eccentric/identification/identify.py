@@ -52,8 +52,6 @@ from eccentric.signals import (
 
 Array = NDArray[np.float64]
 
-# The fit of a model and of Coulomb + viscous friction, on the same rows.
-
 
 @dataclass(frozen=True)
 class Undetected:

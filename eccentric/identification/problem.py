@@ -50,9 +50,6 @@ from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS, Rig
 from eccentric.signals import Channels, Rows, fit_rows, rows_of, with_doubts
 
-# The nonlinear values of a fit: their ranges, where their search starts, and typical steps.
-
-
 _UNITS = {known.name: known.unit for known in KNOWNS}
 
 

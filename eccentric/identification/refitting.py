@@ -19,9 +19,6 @@ from eccentric.identification.uncertainty import TWO_SIDED, Estimate, rms
 from eccentric.model import Model
 from eccentric.signals import Band, band_of
 
-# The estimates of an extended model's fit, with uncertainty, and the share of each effect.
-
-
 Array = NDArray[np.float64]
 
 
@@ -242,9 +239,6 @@ def shares(fit: Extended, step: Step, base: Model) -> dict[str, float]:
     return found
 
 
-# The fit itself: solved, and what is asked of it afterwards.
-
-
 @dataclass(frozen=True)
 class Refit:
     """A model fitted on the training part.
@@ -275,6 +269,11 @@ class Refit:
     target: Array
     data: FitData
     change: float
+
+    @property
+    def shapes(self) -> Values:
+        """The nonlinear values of its effects, by name."""
+        return {s.quantity.name: self.values[s.quantity.name] for e, _ in self.effects for s in e.shapes}
 
     @property
     def settled(self) -> bool:
@@ -390,6 +389,5 @@ def _with_any_inertia(drive: Drive) -> Drive:
 
 def residual_samples(fitted: Refit) -> Array:
     """The mechanical residual on the samples (n,) [N m], up to a constant; for fits with bounds."""
-    shapes = {s.quantity.name: fitted.values[s.quantity.name] for e, _ in fitted.effects for s in e.shapes}
-    residuals = fitted.data.residuals(fitted.model, shapes, fitted.values, fitted.scale)
+    residuals = fitted.data.residuals(fitted.model, fitted.shapes, fitted.values, fitted.scale)
     return residuals.samples("mechanical", fitted.values)

@@ -28,12 +28,11 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
+
 # Sums of a design as triangles: R of the QR decomposition of its rows [X y].
 #
 # R'R are the normal equations, but R keeps the digits that these lose: its condition is that of X, not its
 # square. Triangles of parts stack, and the R of the stack is that of the whole, in any order up to rounding.
-
-
 def triangle_of(rows: Array) -> Array:
     """The triangle (k, k) of rows (m, k).
 
@@ -118,9 +117,6 @@ mechanical balance, or something of the bench that the rig leaves open: `bodies`
 chain."""
 FOLLOWING: frozenset[ColumnRole] = frozenset({"inertia", "back_emf", "bodies"})
 """Roles of columns that follow the angle, and so have passed its low pass."""
-
-
-# The design of a fit: coefficients with bounds and roles, its target and its solution.
 
 
 @dataclass(frozen=True)
@@ -288,9 +284,6 @@ class Solution:
         return moved
 
 
-# A balance of a log as a linear design: target = columns @ coefficients + missing part of the model.
-
-
 @dataclass(frozen=True, kw_only=True)
 class BalanceDesign(Design):
     """The design of one scalar balance on the rows of the search, in N m on the motor side.
@@ -339,8 +332,6 @@ def balance_design(
 #
 # Variable projection: for given nonlinear values the rest is linear, and the search minimises its best
 # solution.  An iteration makes the next design from the solution of the last, until nothing changes.
-
-
 class Searched(Protocol):
     """A design that depends on nonlinear values."""
 

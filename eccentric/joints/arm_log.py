@@ -39,22 +39,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ArmLog:
-    """The logs of an arm.
+    """The logs of an arm."""
 
-    Attributes:
-        rig: as declared.
-        channels: of every joint, on the same rows.
-        module: torques and loads of its bodies.
-        values: the current inertial parameters (joints, 10): declared or identified.
-        scales: one newton metre in the unit of each drive: 1, or in amperes where k_i is unknown.
-        gains: k_i of each motor if identified from the declared bodies, else None.
-    """
-
-    rig: ArmRig
-    channels: tuple[Channels, ...]
-    module: BodyModule
-    values: Array
+    rig: ArmRig  # as declared
+    channels: tuple[Channels, ...]  # of every joint, on the same rows
+    module: BodyModule  # torques and loads of its bodies
+    values: Array  # the current inertial parameters (joints, 10): declared or identified
+    # one newton metre in the unit of each drive: 1, or in amperes where k_i is unknown
     scales: tuple[float, ...] = ()
+    # k_i of each motor if identified from the declared bodies, else None
     gains: tuple[Estimate | None, ...] = ()
     _motions: dict[float, JointMotions] = field(default_factory=dict, repr=False)
     _along: dict[tuple[float, int], MetAlong] = field(default_factory=dict, repr=False)

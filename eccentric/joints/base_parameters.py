@@ -26,28 +26,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BaseParameters:
-    """Columns that form a basis of a regressor.
+    """Columns that form a basis of a regressor."""
 
-    Attributes:
-        chosen: indices of the columns, in the order of the regressor (r,).
-        sums: (r, p): base parameters = sums @ inertial parameters; the columns of `chosen` are unit vectors.
-    """
-
-    chosen: tuple[int, ...]
+    chosen: tuple[int, ...]  # indices of the columns, in the order of the regressor (r,)
+    # (r, p): base parameters = sums @ inertial parameters; the columns of `chosen` are unit vectors
     sums: Array
 
     def words(self, names: Sequence[str]) -> list[str]:
         """Each base parameter as a linear combination, in text."""
         return [
-            " ".join(
-                _part(float(x), name, first=k == 0)
-                for k, (x, name) in enumerate(
-                    sorted(
-                        ((x, n) for x, n in zip(row, names, strict=True) if abs(x) > LEAST_SHARE_IN_SUM),
-                        key=lambda part: part[1] != names[place],
-                    )
-                )
-            )
+            names[place] + "".join(_part(float(row[k]), name) for k, name in enumerate(names) if k != place)
             for place, row in zip(self.chosen, self.sums, strict=True)
         ]
 
@@ -81,12 +69,11 @@ def names_of(joints: int) -> list[str]:
     return [q.name for j in range(joints) for q in letters_of(j)]
 
 
-def _part(x: float, name: str, *, first: bool) -> str:
-    sign = ("-" if x < 0.0 else "") if first else ("- " if x < 0.0 else "+ ")
-    return f"{sign}{name}" if abs(abs(x) - 1.0) < LEAST_SHARE_IN_SUM else f"{sign}{abs(x):.4g} {name}"
-
-
-# The inertial parameters of a chain as numbers, and those of a body as a matrix; `letters_of` names them.
+def _part(x: float, name: str) -> str:
+    if abs(x) <= LEAST_SHARE_IN_SUM:
+        return ""
+    size = "" if abs(abs(x) - 1.0) < LEAST_SHARE_IN_SUM else f"{abs(x):.4g} "
+    return f" {'-' if x < 0.0 else '+'} {size}{name}"
 
 
 _UPPER = [(a, b) for a in range(3) for b in range(a, 3)]
@@ -128,9 +115,6 @@ def parameters_of(matrix: Array) -> Array:
     return np.stack([matrix[..., 3, 3], *first, *(matrix[..., a, b] for a, b in _UPPER)], axis=-1)
 
 
-# Torques and loads of an arm's bodies along a log, from the emitted module.
-
-
 @dataclass(frozen=True)
 class JointMotions:
     """The motion of all motors: angle [rad], velocity [rad/s], acceleration [rad/s^2], each (n, joints)."""
@@ -148,19 +132,12 @@ class JointMotions:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Torques [N m, motor side] and bearing loads of one joint, each (n,).
+    """Torques [N m, motor side] and bearing loads of one joint, each (n,)."""
 
-    Attributes:
-        gravity: holding torque against gravity.
-        moving: inertial, centrifugal and Coriolis torque of the bodies.
-        rotor: torque to accelerate the motor's rotor.
-        F_N, F_T, M_B: loads of the bearing [N, N, N m], 0 where a guide has none.
-    """
-
-    gravity: Array
-    moving: Array
-    rotor: Array
-    F_N: Array
+    gravity: Array  # holding torque against gravity
+    moving: Array  # inertial, centrifugal and Coriolis torque of the bodies
+    rotor: Array  # torque to accelerate the motor's rotor
+    F_N: Array  # loads of the bearing [N, N, N m], 0 where a guide has none
     F_T: Array
     M_B: Array
 
@@ -192,7 +169,7 @@ class BodyModule:
         choice = Choice(("inverse_dynamics", "bearing_loads"), "none")
         files = render_code(arm(lettered, lettered.name), "numpy", choice)
         self._module = executed(files, lettered.name)
-        self._names = [q.name for j in range(len(chain.joints)) for q in letters_of(j)]
+        self._names = names_of(len(chain.joints))
         self._mu = np.array([float(joint.mu) for joint in chain.joints])
         self._J_m = np.array([float(joint.J_m) for joint in chain.joints])
 

@@ -34,6 +34,9 @@ from eccentric.joints.base_parameters import (
 from eccentric.joints.limits import IN_ERRORS, LEAST_EIGENVALUE, PROJECTIONS, TIGHTEST
 from eccentric.model import letters_of
 
+Array = NDArray[np.float64]
+
+
 # Physically consistent bodies with given base parameters: the nearest to those of the arm file.
 #
 # Mass is positive, and so is the pseudo-inertia matrix [[Sigma, h], [h, m]] of any mass distribution. Base
@@ -43,21 +46,12 @@ from eccentric.model import letters_of
 #
 # Reference: P. M. Wensing, S. Kim and J.-J. E. Slotine, "Linear matrix inequalities for physically consistent
 # inertial parameter identification", IEEE Robotics and Automation Letters 3(1), 2018.
-
-
-Array = NDArray[np.float64]
-
-
 @dataclass(frozen=True)
 class PossibleBodies:
-    """Physically consistent bodies.
+    """Physically consistent bodies."""
 
-    Attributes:
-        values: inertial parameters (joints, 10).
-        misfit: the largest deviation of their base parameters from the identified ones, in standard errors.
-    """
-
-    values: Array
+    values: Array  # inertial parameters (joints, 10)
+    # the largest deviation of their base parameters from the identified ones, in standard errors
     misfit: float
 
     @property
@@ -123,19 +117,12 @@ def _length(nominal: Array) -> float:
 
 @dataclass(frozen=True)
 class IdentifiedBodies:
-    """Bodies identified from the logs.
+    """Bodies identified from the logs."""
 
-    Attributes:
-        base: the base parameters.
-        estimates: of each, by the name of its first parameter.
-        sums: each base parameter as a linear combination, in text.
-        bodies: the consistent bodies nearest to the declared ones.
-    """
-
-    base: BaseParameters
-    estimates: Mapping[str, Estimate]
-    sums: tuple[str, ...]
-    bodies: PossibleBodies
+    base: BaseParameters  # the base parameters
+    estimates: Mapping[str, Estimate]  # of each, by the name of its first parameter
+    sums: tuple[str, ...]  # each base parameter as a linear combination, in text
+    bodies: PossibleBodies  # the consistent bodies nearest to the declared ones
 
 
 def identified_bodies(log: ArmLog) -> IdentifiedBodies | None:
@@ -155,14 +142,11 @@ def identified_bodies(log: ArmLog) -> IdentifiedBodies | None:
 
 @dataclass(frozen=True)
 class Block:
-    """Rows of a joint: torque without the rotors' part, columns of inertial parameters and of friction.
-
-    `weight` is the inverse RMS residual of the joint's separate fit, in the unit of its torque.
-    """
+    """Rows of a joint: torque without the rotors' part, columns of inertial parameters and of friction."""
 
     target: Array
     bodies: Array
-    weight: float
+    weight: float  # the inverse RMS residual of the joint's separate fit, in the unit of its torque
     friction: Array
     coefficients: tuple[Coefficient, ...] = ()
 
@@ -188,7 +172,6 @@ def pooled(
 
 
 def _block(log: ArmLog, j: int) -> Block:
-    """The training rows of a joint."""
     rows, drive = log.rows(j), log.drive(j)
     train = rows.train
     loads = log.present(j)

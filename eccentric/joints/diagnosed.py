@@ -26,6 +26,7 @@ from eccentric.diagnosis import (
 )
 from eccentric.effects import Effect
 from eccentric.joints.arm_log import ArmLog
+from eccentric.joints.base_parameters import names_of
 from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.fitted import prepared, warnings_of
 from eccentric.joints.joint_model import DECLARED, joint_inputs
@@ -43,7 +44,6 @@ from eccentric.model import (
     arm,
     at_rest,
     drives,
-    letters_of,
     quantity,
     recursion,
     with_bodies,
@@ -208,8 +208,6 @@ def _in_an_arm(diagnosis: Diagnosis) -> Diagnosis:
 #
 # The inputs of a joint model (`joint_model` with its identified effects) are torques and loads of the joint.
 # Here the recursion of the chain replaces them, and all other names of the joint get its number.
-
-
 _OF_THE_ARM = frozenset({"drive", "inertial", "bodies", "gravity"})
 """Kinds of terms of a joint that the recursion already has."""
 _OF_THE_CHAIN = frozenset({v.mu.symbol, v.F_N.symbol})
@@ -242,9 +240,8 @@ def extended_arm(found: ArmDiagnosis) -> Model | None:
         return None
     chain = found.log.rig.declared
     if found.bodies is not None:
-        names = [q.name for j in range(len(found.joints)) for q in letters_of(j)]
-        values = found.bodies.bodies.values.ravel()
-        chain = with_bodies(chain, dict(zip(names, map(float, values), strict=True)))
+        values = map(float, found.bodies.bodies.values.ravel())
+        chain = with_bodies(chain, dict(zip(names_of(len(found.joints)), values, strict=True)))
     effects = [f"{effect.id} in joint {j.number}" for j in found.joints for effect, _ in j.found.effects]
     done = f"extended by {', '.join(effects)}" if effects else "friction fitted"
     title = f"Arm {chain.name}, {done}"
@@ -368,7 +365,6 @@ class _NumberedJoint:
 
     @property
     def states(self) -> tuple[State, ...]:
-        """Its hidden states."""
         return tuple(
             State(self._numbered(s.quantity), self._of_the_arm(s.initial), self._of_the_arm(s.update))
             for s in self._model.states

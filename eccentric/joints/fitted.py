@@ -36,33 +36,23 @@ from eccentric.model import Load, Role
 from eccentric.rigs import ArmRig, NamedHoldout
 from eccentric.signals import LEAST_HELD_OUT, Rows, read_joints, require_rows
 
+Array = NDArray[np.float64]
+
+
 # Selection of the loads that a joint's friction depends on, on the training part.
 #
 # The loads compete as effects do in a diagnosis: blocked cross-validation, a required gain per addition,
 # stability in resampled logs. Correlated loads may explain a log equally well.
-
-
-Array = NDArray[np.float64]
-
-
 @dataclass(frozen=True)
 class LoadsOfAJoint:
-    """Load dependence of a joint's friction, from the training part.
+    """Load dependence of a joint's friction, from the training part."""
 
-    Attributes:
-        present: the loads whose friction the log can separate from load-independent friction.
-        followed: the selected loads, in order of adoption; none where Coulomb and viscous friction is
-            enough.
-        alike: loads that would explain the log as well as one of these.
-        deviance: twice the cross-validated gain in log-likelihood by the best single load.
-        required: the gain required for an addition.
-    """
-
-    present: tuple[Load, ...]
+    present: tuple[Load, ...]  # the loads whose friction the log can separate from load-independent friction
+    # the selected loads, in order of adoption; none where Coulomb and viscous friction is enough
     followed: tuple[Load, ...]
-    alike: tuple[Load, ...]
-    deviance: float
-    required: float
+    alike: tuple[Load, ...]  # loads that would explain the log as well as one of these
+    deviance: float  # twice the cross-validated gain in log-likelihood by the best single load
+    required: float  # the gain required for an addition
 
 
 def loads_of(log: ArmLog, j: int) -> LoadsOfAJoint:
@@ -318,22 +308,14 @@ def gain_of(drive: Drive) -> str:
 #
 # Friction and bodies are fixed at the fitted values. A payload is a body in the frame of the last joint; its
 # torques are linear in its ten inertial parameters, only some of which are identifiable from the runs.
-
-
 @dataclass(frozen=True)
 class ForeignRuns:
-    """Runs that were not used in a fit, predicted by it.
+    """Runs that were not used in a fit, predicted by it."""
 
-    Attributes:
-        log: the runs.
-        residuals, drives: of each joint on its moving rows (m,), in the unit of its fit.
-        rows: of each joint, with the mask of the moving ones.
-    """
-
-    log: ArmLog
-    residuals: tuple[Array, ...]
-    drives: tuple[Array, ...]
-    rows: tuple[tuple[Rows, NDArray[np.bool_]], ...]
+    log: ArmLog  # the runs
+    residuals: tuple[Array, ...]  # of each joint on its moving rows (m,), in the unit of its fit
+    drives: tuple[Array, ...]  # of each joint, likewise
+    rows: tuple[tuple[Rows, NDArray[np.bool_]], ...]  # of each joint, with the mask of the moving ones
 
     @property
     def rmse(self) -> tuple[float, ...]:
@@ -343,17 +325,10 @@ class ForeignRuns:
 
 @dataclass(frozen=True)
 class Payload:
-    """A payload of runs that the fit did not have.
+    """A payload of runs that the fit did not have."""
 
-    Attributes:
-        estimates: its identifiable inertial parameters in the frame of the last joint.
-        rmse: error of each joint with it.
-        gains: reduction of each joint's error in percent, with the 95 % interval.
-    """
-
-    estimates: Mapping[str, Estimate]
-    rmse: tuple[float, ...]
-    gains: tuple[tuple[float, tuple[float, float]], ...]
+    estimates: Mapping[str, Estimate]  # its identifiable inertial parameters in the frame of the last joint
+    rmse: tuple[float, ...]  # error of each joint with it
 
 
 def predicted(found: ArmFit, logs: Sequence[LogSource], runs: Sequence[str]) -> ForeignRuns:
@@ -399,8 +374,7 @@ def payload_of(found: ForeignRuns) -> Payload:
     names = [name.replace(f"_{last}", "_payload") for name in names_of(last + 1)[last * COUNT :]]
     _, solution = pooled(blocks, names, lower=0.0)  # a payload has no negative mass
     after = np.split(solution.residual, np.cumsum([len(block.target) for block in blocks])[:-1])
-    gains = tuple(improvement(*pair) for pair in zip(found.residuals, after, strict=True))
-    return Payload(solution.estimates(), tuple(rms(x) for x in after), gains)
+    return Payload(solution.estimates(), tuple(rms(x) for x in after))
 
 
 def _of_runs(found: ArmFit, runs: Sequence[str]) -> ArmRig:

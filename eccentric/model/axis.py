@@ -307,9 +307,6 @@ def _kind_of(name: str) -> AxisKind:
     return AXES[name]
 
 
-# Symbols, quantities and equations in the names of an axis, for the reader.
-
-
 S = TypeVar("S", bound=sp.Basic)
 
 

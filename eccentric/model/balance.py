@@ -11,12 +11,11 @@ from sympy.printing.pretty.pretty import PrettyPrinter
 from sympy.printing.pretty.pretty_symbology import greek_unicode
 from sympy.printing.pretty.stringpict import prettyForm
 
+
 # Role and load of a friction term, declared with the term, not deduced from its name.
 #
 # Roles decide what applies to a term: lubricant temperature scales viscous friction, whatever the term is
 # called; Coulomb and viscous friction without a load form the linear baseline of all comparisons.
-
-
 class Role(StrEnum):
     """Physical role of a friction term; other terms have none."""
 
@@ -156,9 +155,6 @@ class Balance:
         if slope == 0 or symbol in slope.free_symbols | rest.free_symbols:
             raise ValueError(f"balance {self.name}: expected a sum that is linear in {symbol}")
         return -rest / slope
-
-
-# Equations: the numbered steps of a derivation, each with unit, origin and identities to be proved.
 
 
 # Column of number and unit; after a wider formula they are on a separate line.

@@ -28,8 +28,6 @@ from eccentric.core import derived
 # Models and their expressions as bytes, structurally exact, and digests of their content.
 #
 # SymPy's pickles evaluate: sqrt(g (M + M_l)/(L M)) would come back as a product of roots.
-
-
 _OURS = {"sympy", "eccentric"}
 """Packages whose classes are fixed as long as no source changes; a class of a user's script is not."""
 _EVALUATED = sp.Add | sp.Mul | sp.Pow | sp.Function | sp.Max | sp.Min
@@ -322,15 +320,14 @@ class _SharedPartsPrinter(NumPyPrinter):
         return self._variables[expr]
 
 
+Parts = Mapping[str, tuple[str, ...]]
+"""Kind of part -> words for it."""
+
+
 # The components of a drive as declared in a rig, and whether they allow a cause.
 #
 # An undeclared component rules out nothing. If a drive has several components of a kind, such as a planetary
 # gear and a belt, one of them suffices for a cause.
-
-
-Parts = Mapping[str, tuple[str, ...]]
-"""Kind of part -> words for it."""
-
 NO_PART = "none"
 GEARS = ("strain wave", "planetary", "worm", "spur", "belt", "screw")
 DRIVE_PARTS: Parts = MappingProxyType(

@@ -94,9 +94,6 @@ def _find(name_or_path: str | os.PathLike[str]) -> Path:
     return path
 
 
-# A model with other defaults: fitted values instead of the paper's, with notes for their comments.
-
-
 T = TypeVar("T")
 
 _RIGHT_ANGLE = 1.5707964  # also one that was rounded up to single precision

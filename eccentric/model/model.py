@@ -16,8 +16,6 @@ from eccentric.model.output import Interface
 from eccentric.model.quantity import Definition, Quantity, State
 from eccentric.model.steps import meaning
 
-# Changes of a model: terms to add, quantities to replace, friction to scale.
-
 
 @dataclass(frozen=True)
 class Change:
@@ -267,8 +265,6 @@ class Model:
 # - an extension's own parts are taken as written: M_true = M (1 + r) keeps its M.
 #
 # Two extensions that introduce the same name, or replace the same quantity, are refused.
-
-
 def extended(model: Model, new: Extension) -> Model:
     """Add an extension to a model; the order of several makes no difference.
 
@@ -361,9 +357,6 @@ def _ordered(definitions: Iterable[Definition], known: set[sp.Symbol], whose: st
         done.append(ready)
         known.add(ready.symbol)
     return tuple(done)
-
-
-# A model in the names of its axis: symbols, units and meanings, for the reader.
 
 
 def spoken(model: Model) -> Model:

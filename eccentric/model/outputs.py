@@ -70,9 +70,6 @@ def structure_of(model: Model) -> tuple[tuple[object, ...], ...]:
     return (*parts, model.axis), known, tuple(parameters)
 
 
-# Friction in one direction: its limit at standstill, and its polynomial in the velocity.
-
-
 _DIRECTED = Sgn | Forward | Backward | Gated
 
 

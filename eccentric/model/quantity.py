@@ -10,9 +10,6 @@ import sympy as sp
 
 from eccentric.core import InputError
 
-# Reserved names: a quantity is a structure member in C and C++, an attribute in Python.
-
-
 LONGEST = 63  # characters of a name that a C compiler must tell apart (ISO/IEC 9899, 5.2.4.1)
 # ISO/IEC 9899:2024, 6.4.1, and ISO/IEC 14882:2020, 5.11, but for those that begin with an underscore.
 C_KEYWORDS = frozenset(
@@ -141,9 +138,6 @@ def quantity(
 def symbols(*quantities: Quantity) -> tuple[sp.Symbol, ...]:
     """The symbols of several quantities."""
     return tuple(quantity.symbol for quantity in quantities)
-
-
-# Quantities that depend on others: algebraically (a definition), or over a time step (a state).
 
 
 @dataclass(frozen=True)

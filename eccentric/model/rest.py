@@ -34,8 +34,6 @@ from eccentric.model.steps import (
     Shrunk,
 )
 
-# The law in a derivation.
-
 
 def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = None) -> tuple[Equation, ...]:
     """The equations of friction at rest, for friction that is linear in the velocity at a given F_N.
@@ -134,9 +132,6 @@ def law_at_rest(friction: sp.Expr, inertia: sp.Expr, backward: sp.Expr | None = 
     )
 
 
-# The levels of a model.
-
-
 _SPEED = sp.Symbol("speed_of_motor", positive=True)
 """Magnitude of the velocity while sums are split, so that it cancels in a division."""
 _ENDINGS = {1: "_forward", -1: "_backward"}
@@ -144,21 +139,13 @@ _ENDINGS = {1: "_forward", -1: "_backward"}
 
 @dataclass(frozen=True)
 class Side:
-    """Friction in one direction of motion, signed as on the motor, as functions of the state.
+    """Friction in one direction of motion, signed as on the motor, as functions of the state."""
 
-    Attributes:
-        dry: the level with fully developed presliding [N m].
-        viscous: the rest over the velocity [N m s/rad].
-        held: the level at the current presliding state [N m].
-        damping: the rest over the velocity at the current presliding state [N m s/rad].
-        stiffness: presliding stiffness times the time step dt [N m s/rad].
-    """
-
-    dry: sp.Expr
-    viscous: sp.Expr
-    held: sp.Expr
-    damping: sp.Expr
-    stiffness: sp.Expr
+    dry: sp.Expr  # the level with fully developed presliding [N m]
+    viscous: sp.Expr  # the rest over the velocity [N m s/rad]
+    held: sp.Expr  # the level at the current presliding state [N m]
+    damping: sp.Expr  # the rest over the velocity at the current presliding state [N m s/rad]
+    stiffness: sp.Expr  # presliding stiffness times the time step dt [N m s/rad]
 
 
 @dataclass(frozen=True)
@@ -289,9 +276,6 @@ def _split(value: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
         else:
             dry.append(addend)
     return sp.Add(*dry), sp.Add(*viscous)
-
-
-# Emitted functions: the levels, and one time step of a drive between them.
 
 
 def budget(dry: Levels, omega_m: sp.Symbol = v.omega_m.symbol) -> tuple[tuple[str, sp.Expr], ...]:

@@ -31,9 +31,6 @@ from eccentric.planning.limits import (
 )
 from eccentric.rigs import plain_entries, read_pair
 
-# Limits of a motion, motor side: a table of a TOML or JSON file, or an equivalent mapping.
-
-
 FORCE = "force_N"
 """Key for a carriage whose log has a force: replaces the current limit."""
 UNITS = {
@@ -152,7 +149,6 @@ def _number(value: object, key: str, units: Mapping[str, str]) -> float:
 
 
 def _value(value: object, key: str, units: Mapping[str, str]) -> float:
-    """A number in SI, or text with a unit."""
     return parse_value(value, units[key], key) if isinstance(value, str) else read_number(value, key)
 
 
@@ -180,15 +176,10 @@ class Reference:
 
 @dataclass(frozen=True)
 class Segment:
-    """A part of a motion, from rest to rest.
+    """A part of a motion, from rest to rest."""
 
-    Attributes:
-        pattern: description, a format string for `sizes`, which scale with the velocity.
-        omega: velocity [rad/s], (n,).
-    """
-
-    pattern: str
-    omega: Array
+    pattern: str  # description, a format string for `sizes`, which scale with the velocity
+    omega: Array  # velocity [rad/s], (n,)
     sizes: tuple[float, ...] = ()
 
     def words(self, axis: AxisKind) -> str:

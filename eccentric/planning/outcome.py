@@ -40,7 +40,8 @@ from eccentric.planning.question import Question, Rival, question_of
 from eccentric.planning.separation import Ground, Separation, extremes
 from eccentric.rigs import AddedMass, Rig
 
-# The sequence of pieces that best separates the rivals, selected greedily.
+Pairs = Mapping[tuple[str, str], float]
+"""(true family, other family) -> D."""
 
 
 # The probability that a diagnosis of log and motion together decides, from the distance D of the rivals.
@@ -48,12 +49,6 @@ from eccentric.rigs import AddedMass, Rig
 # For a true rival the log-likelihood ratio over another is normal, with mean D/2 and variance D, where D is
 # from `separation`. A verdict needs the odds `ODDS`, and the same result in nine of ten resampled logs, each
 # a fraction f of the blocks: the ratio then has an additional spread of sqrt(1/f - 1) times its own.
-
-
-Pairs = Mapping[tuple[str, str], float]
-"""(true family, other family) -> D."""
-
-
 def decided(apart: float) -> float:
     """The probability that the true rival is named over another at distance D."""
     spread = np.sqrt(max(apart, 1e-12))
@@ -209,8 +204,6 @@ def _worth(separation: Separation, grounds: Sequence[Ground]) -> float:
 # If no motion decides: the same motion with more mass on the link.
 #
 # The logs with both masses are judged together: `[added]` in a rig file has both diagnosed.
-
-
 @dataclass(frozen=True)
 class Heavier:
     """A mass added at the link's mass [kg], and the probability that it decides."""

@@ -28,27 +28,17 @@ from eccentric.model import Model
 from eccentric.planning.limits import LEAST_CHANCE
 from eccentric.rigs import Rig
 
-# The candidates a diagnosis left open: fits that explain its log equally well, with their probabilities.
-
 
 @dataclass(frozen=True)
 class Rival:
-    """One explanation of a log.
+    """One explanation of a log."""
 
-    Attributes:
-        family: its distinguishing effect; headline: that of the effect; "" for none.
-        balance: the balance in which it appears.
-        variants: the effects common to all rivals, then its distinguishing one.
-        coefficients: of the base, then of the variants, in the order of the balance's design.
-        chance: its probability given the log, relative to the other rivals.
-    """
-
-    family: str
-    headline: str
-    balance: str
-    variants: tuple[Variant, ...]
-    coefficients: np.ndarray
-    chance: float
+    family: str  # its distinguishing effect, "" for none
+    headline: str  # that of the effect, "" for none
+    balance: str  # the balance in which it appears
+    variants: tuple[Variant, ...]  # the effects common to all rivals, then its distinguishing one
+    coefficients: np.ndarray  # of the base, then of the variants, in the order of the balance's design
+    chance: float  # its probability given the log, relative to the other rivals
 
 
 def rivals_of(diagnosis: Diagnosis) -> tuple[Rival, ...]:
@@ -97,26 +87,19 @@ FORMAT = "eccentric-diagnosis/1"
 
 @dataclass(frozen=True)
 class Question:
-    """The open question, and the data to judge a motion by.
+    """The open question, and the data to judge a motion by."""
 
-    Attributes:
-        rivals: explanations of the log, most probable first; a single one where nothing is open.
-        data: drive and signals of the log; model: the base model; friction: its coefficients, first fit.
-        screen: the balance of the rivals on the log, with their candidates and the declared values.
-        effects: effects of the library, including those of the candidates.
-        otherwise: a measurement that needs more than a motion, None where nothing is open.
-        follows: variables of an unexplained structure in the residual.
-        elsewhere: ids of the named effects of the other balance, which no motion is judged by.
-    """
-
+    # explanations of the log, most probable first; a single one where nothing is open
     rivals: tuple[Rival, ...]
-    data: FitData
-    model: Model
-    friction: np.ndarray
-    screen: Screen
-    effects: tuple[Effect, ...]
+    data: FitData  # drive and signals of the log
+    model: Model  # the base model
+    friction: np.ndarray  # its coefficients, first fit
+    screen: Screen  # the balance of the rivals on the log, with their candidates and the declared values
+    effects: tuple[Effect, ...]  # effects of the library, including those of the candidates
+    # a measurement that needs more than a motion, None where nothing is open
     otherwise: NextMeasurement | None = None
-    follows: tuple[str, ...] = ()
+    follows: tuple[str, ...] = ()  # variables of an unexplained structure in the residual
+    # ids of the named effects of the other balance, which no motion is judged by
     elsewhere: tuple[str, ...] = ()
 
 

@@ -47,6 +47,9 @@ from eccentric.planning.question import Question, Rival, rival_of
 from eccentric.rigs import AddedMass
 from eccentric.signals import Rows, white_noise
 
+Floats = NDArray[np.floating]
+
+
 # The motion of a drive that differs slightly from the fitted one: extremes of angle, speed and current.
 #
 # A reference within the limits does not guarantee a motion within them: a speed loop lags behind a ramp and
@@ -55,27 +58,16 @@ from eccentric.signals import Rows, white_noise
 # both directions. It is tuned for the fitted inertia, also if a mass is added for one log. Dry friction
 # sticks below its level. Load and friction are taken along the reference, from which the drive deviates
 # little.
-
-
-Floats = NDArray[np.floating]
-
-
 @dataclass(frozen=True)
 class Met:
-    """Inertia and external torques of a drive along a motion, motor side.
+    """Inertia and external torques of a drive along a motion, motor side."""
 
-    Attributes:
-        inertia: [kg m^2]; load: gravity etc. (n,) [N m]; friction: along the motion (n,) [N m].
-        torque_constant: [N m/A]; noise: peak noise current of the loop [A].
-        tuned_for: inertia that the speed loop was tuned for [kg m^2], None for `inertia`.
-    """
-
-    inertia: float
-    load: Floats
-    friction: Floats
-    torque_constant: float
-    noise: float = 0.0
-    tuned_for: float | None = None
+    inertia: float  # [kg m^2]
+    load: Floats  # gravity etc. (n,) [N m]
+    friction: Floats  # along the motion (n,) [N m]
+    torque_constant: float  # [N m/A]
+    noise: float = 0.0  # peak noise current of the loop [A]
+    tuned_for: float | None = None  # inertia that the speed loop was tuned for [kg m^2], None for `inertia`
 
 
 @dataclass(frozen=True)
@@ -162,9 +154,6 @@ def _size(motion: Reference, friction: Floats) -> Floats:
 Array = np.ndarray
 
 
-# The distance of two rivals.
-
-
 class Sums(NamedTuple):
     """Normal equations of a design X (rows, k) and target y: X'X, X'y, y'y, lower coefficient bounds."""
 
@@ -176,19 +165,14 @@ class Sums(NamedTuple):
 
 @dataclass(frozen=True)
 class Ground:
-    """A log or a motion, with the designs of the rivals on it.
+    """A log or a motion, with the designs of the rivals on it."""
 
-    screen: designs of the rivals' balance; candidates: by id, on its signals; seen: mask (rows,) of the rows
-    a search would use; per_row: information per row, independent samples per row over their variance;
-    current: [A] (samples,), the largest that any rival needs; met: external torques, None on a log.
-    """
-
-    screen: Screen
-    candidates: dict[str, Candidate]
-    seen: Array
-    per_row: float
-    current: Array
-    met: Met | None = None
+    screen: Screen  # designs of the rivals' balance
+    candidates: dict[str, Candidate]  # by id, on its signals
+    seen: Array  # mask (rows,) of the rows a search would use
+    per_row: float  # information per row: independent samples per row over their variance
+    current: Array  # [A] (samples,), the largest that any rival needs
+    met: Met | None = None  # external torques, None on a log
 
     def on(self, variants: Sequence[Variant]) -> list[Variant]:
         """The variants on the signals of this ground."""

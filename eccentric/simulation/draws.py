@@ -18,39 +18,26 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Drawn:
-    """How a parameter follows from a draw x of the fitted values: factor x[place] scale^power.
-
-    `place` is None for a factor alone.
-    """
+    """How a parameter follows from a draw x of the fitted values: factor x[place] scale^power."""
 
     parameter: str
-    place: int | None
+    place: int | None  # None for a factor alone
     factor: float = 1.0
     power: int = 0
 
 
 @dataclass(frozen=True)
 class Draws:
-    """The joint uncertainty of k fitted values, and the parameters that follow from them.
+    """The joint uncertainty of k fitted values, and the parameters that follow from them."""
 
-    Attributes:
-        values: fitted (k,).
-        covariance: of their errors (k, k), 0 for a value at a bound.
-        lower, upper: bounds (k,).
-        reach: (k,) how far a value at a bound may be from it, 95 % interval; 0 for all others.
-        parameters: every parameter of the model as it was fitted.
-        drawn: those that follow from the values.
-        scale: place of the scale of the drive among the values; None without one.
-    """
-
-    values: Array
-    covariance: Array
-    lower: Array
-    upper: Array
-    reach: Array
-    parameters: Mapping[str, float]
-    drawn: tuple[Drawn, ...]
-    scale: int | None = None
+    values: Array  # fitted (k,)
+    covariance: Array  # of their errors (k, k), 0 for a value at a bound
+    lower: Array  # lower bounds (k,)
+    upper: Array  # upper bounds (k,)
+    reach: Array  # (k,) how far a value at a bound may be from it, 95 % interval; 0 for all others
+    parameters: Mapping[str, float]  # every parameter of the model as it was fitted
+    drawn: tuple[Drawn, ...]  # those that follow from the values
+    scale: int | None = None  # place of the scale of the drive among the values; None without one
 
     def samples(self, count: int, seed: int) -> dict[str, Array]:
         """Parameter sets: name -> (count,).

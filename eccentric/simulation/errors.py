@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,10 +13,10 @@ from eccentric.identification import LOAD, Drive, Fit, Machine, Refit, fit_data_
 from eccentric.model import Model
 from eccentric.rigs import Alignment, Rig
 from eccentric.signals import Channels
-from eccentric.simulation.integrate import Feedback, SimulatedMotion, integrate
+from eccentric.simulation.integrate import SimulatedMotion, integrate
 from eccentric.simulation.limits import HORIZONS_S, TRACES
 from eccentric.simulation.plant import DrivePlant, plants_of, servo_of
-from eccentric.simulation.recording import Recording, Spans, whole_runs, windows
+from eccentric.simulation.recording import Recording, whole_runs, windows
 
 Array = NDArray[np.float64]
 Tell = Callable[[float], None]
@@ -84,16 +83,12 @@ class SimulatedErrors:
         windows: number of windows of each.
         models: in the order in which they were given.
         traces: of held-out windows, or of whole runs with the controller of the rig.
-        controlled: whether the traces are of the latter.
-        speed: time that was simulated over the time that it took, all spans and models.
     """
 
     horizons_s: tuple[float, ...]
     windows: tuple[int, ...]
     models: tuple[ModelErrors, ...]
     traces: tuple[MotionTrace, ...]
-    controlled: bool
-    speed: float
 
     def ratios(self, one: str, other: str) -> list[float | None]:
         """The errors of a model over those of another, by horizon; None without a window."""
@@ -133,18 +128,7 @@ def errors_of(
 ) -> SimulatedErrors:
     """The same for plants by name, each with its log."""
     models, traced = list[ModelErrors](), dict[str, tuple[Recording, SimulatedMotion]]()
-    counts, controlled, simulated, took = tuple[int, ...](), False, 0.0, 0.0
-
-    def moved(
-        plant: DrivePlant, recording: Recording, spans: Spans, feedback: Feedback | None, tell: Tell | None
-    ) -> SimulatedMotion:
-        nonlocal simulated, took
-        begun = time.perf_counter()
-        found = integrate(plant, recording, spans, feedback, tell)
-        took += time.perf_counter() - begun
-        simulated += float(np.sum(recording.t[spans.start + spans.steps] - recording.t[spans.start]))
-        return found
-
+    counts, controlled = tuple[int, ...](), False
     for k, (name, (plant, recording)) in enumerate(plants.items()):
 
         def of(part: float, k: int = k) -> None:
@@ -154,26 +138,24 @@ def errors_of(
         rows = recording.held_out & recording.wanted
         each = [windows(recording, horizon, rows) for horizon in HORIZONS_S]
         counts = tuple(map(len, each))
-        found = moved(plant, recording, sum(each[1:], each[0]), None, None if runs else of)
+        found = integrate(plant, recording, sum(each[1:], each[0]), None, None if runs else of)
         horizons = _by_group(found, recording, counts)
         traced[name] = recording, found
         whole = with_servo = None
         if runs:
             servo = servo_of(channels, recording.zero)
             spans = whole_runs(recording).inside(recording.wanted)
-            found = moved(plant, recording, spans, None, of)
+            found = integrate(plant, recording, spans, None, of)
             whole = _by_run(found, recording, channels)
             if servo is not None:
-                found = moved(plant, recording, spans, servo, None)
+                found = integrate(plant, recording, spans, servo)
                 with_servo, controlled = _by_run(found, recording, channels), True
                 traced[name] = recording, found
         models.append(ModelErrors(name, horizons, whole, with_servo))
     if tell is not None:
         tell(1.0)
-    first = 0 if controlled else sum(counts[:-1])
-    traces = _traces(traced, channels, first, controlled)
-    speed = simulated / took if took else 0.0
-    return SimulatedErrors(HORIZONS_S, counts, tuple(models), traces, controlled, speed)
+    traces = _traces(traced, channels, 0 if controlled else sum(counts[:-1]), controlled)
+    return SimulatedErrors(HORIZONS_S, counts, tuple(models), traces)
 
 
 def _by_group(
@@ -220,25 +202,14 @@ def is_finite(value: float | None) -> bool:
     return value is not None and math.isfinite(value)
 
 
-# A fitted model on any log of its rig: the drive that it predicts, and what it leaves.
-
-
 @dataclass(frozen=True)
 class Predicted:
-    """Measured and predicted drive on the rows (m,) of a log, in `unit`.
+    """Measured and predicted drive on the rows (m,) of a log, in the unit of the errors of the fit."""
 
-    Attributes:
-        t: time [s] (m,).
-        measured, predicted: of a coast-down, what its deceleration gives and what friction gives (m,).
-        held_out: rows (m,) that a fit of this log would not use.
-        unit: "N m" ("N" on a carriage), or that of the drive signal where the log has no scale for a torque.
-    """
-
-    t: Array
-    measured: Array
-    predicted: Array
-    held_out: NDArray[np.bool_]
-    unit: str
+    t: Array  # time [s] (m,)
+    measured: Array  # of a coast-down, what its deceleration gives (m,)
+    predicted: Array  # of a coast-down, what friction gives (m,)
+    held_out: NDArray[np.bool_]  # rows (m,) that a fit of this log would not use
 
     @property
     def residual(self) -> Array:
@@ -248,30 +219,18 @@ class Predicted:
 
 @dataclass(frozen=True)
 class FittedDrive:
-    """What predicts a log: a fitted model with the drive as it was identified.
+    """What predicts a log: a fitted model with the drive as it was identified."""
 
-    Attributes:
-        base, model: the model that was fitted, and the same extended by effects; often the same one.
-        rig, alignment: as the fit has completed and found them.
-        known: values of the drive, those that were identified included.
-        values: every parameter of the model, and what the drive requires beside it.
-        scale: of the drive [V/(N m) or A/(N m)]; None where the torque is measured.
-        unit, factor: of the errors of the fit, and what it has of them for one newton metre.
-        drive_unit: of torques in the fit, "N m", "V" or "A".
-        powered: whether rows with the motor switched off are left out of the fit.
-    """
-
-    base: Model
-    model: Model
-    rig: Rig
-    alignment: Alignment
-    known: Mapping[str, float]
-    values: Mapping[str, float]
-    scale: float | None
-    unit: str
-    factor: float
-    drive_unit: str
-    powered: bool
+    base: Model  # the model that was fitted
+    model: Model  # the same extended by effects; often the same one
+    rig: Rig  # as the fit has completed it
+    alignment: Alignment  # as the fit has found it
+    known: Mapping[str, float]  # values of the drive, those that were identified included
+    values: Mapping[str, float]  # every parameter of the model, and what the drive requires beside it
+    scale: float | None  # of the drive [V/(N m) or A/(N m)]; None where the torque is measured
+    factor: float  # what the error of the fit has of its unit for one newton metre
+    drive_unit: str  # of torques in the fit, "N m", "V" or "A"
+    powered: bool  # whether rows with the motor switched off are left out of the fit
 
     def along(self, channels: Channels) -> Predicted:
         """The prediction for the channels of a log.
@@ -288,7 +247,7 @@ class FittedDrive:
         measured = data.rows.mean(drive.driven_by(values, self.scale))
         left = residuals.rows("mechanical", values)
         return Predicted(
-            data.rows.t, self.factor * measured, self.factor * (measured - left), data.rows.score, self.unit
+            data.rows.t, self.factor * measured, self.factor * (measured - left), data.rows.score
         )
 
 
@@ -305,7 +264,6 @@ def fitted_drive(found: Fit | Refit, parameters: Mapping[str, float] | None = No
             dict(drive.known),
             dict(found.values),
             found.scale,
-            drive.channels.rig.axis.unit(drive.unit),
             1.0,
             drive.unit,
             False,
@@ -332,7 +290,6 @@ def fitted_drive(found: Fit | Refit, parameters: Mapping[str, float] | None = No
         {name: value for name, value in values.items() if name not in open_emf},
         values,
         None if drive.scale is None else drive.scale * scale,
-        rig.axis.unit(problem.unit),
         scale,
         "N m" if problem.has("scale") else drive.unit,
         True,

@@ -168,8 +168,13 @@ def _start(plant: DrivePlant, recording: Recording, rows: Integers) -> tuple[Arr
 
 def _known(plant: DrivePlant, recording: Recording, spans: Spans) -> dict[str, Any]:
     """The parameters by name and what follows from them, each a number, (sets, 1) or (..., spans)."""
+    law = plant.law
+    found = law.prepared(plant.parameters)
+    for rows, added in recording.carried:
+        own = law.prepared(plant.carrying(added).parameters)
+        found = {name: _where(rows[spans.start], own[name], found[name]) for name in found}
     names = ("gain", "damping", "zero", "offset", "load", "ampere")
-    return {**_prepared(plant, recording, spans), **{name: getattr(plant, name) for name in names}}
+    return found | {name: getattr(plant, name) for name in names}
 
 
 class _Signals(NamedTuple):
@@ -243,16 +248,6 @@ class _Stepper:
             alpha, omega = (after - omega) / dt, after
             theta = theta + 0.5 * dt * omega
         return (theta, omega, alpha), states
-
-
-def _prepared(plant: DrivePlant, recording: Recording, spans: Spans) -> dict[str, Any]:
-    """The parameters by name and what follows from them, each a number, (sets, 1) or (..., spans)."""
-    law = plant.law
-    found = law.prepared(plant.parameters)
-    for rows, added in recording.carried:
-        own = law.prepared(plant.carrying(added).parameters)
-        found = {name: _where(rows[spans.start], own[name], found[name]) for name in found}
-    return found
 
 
 def _where(rows: NDArray[np.bool_], one: Any, other: Any) -> Any:

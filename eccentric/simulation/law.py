@@ -15,18 +15,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
 from eccentric.model import KINDS, Model, cached, function_of, levels, meaning
 from eccentric.model import vocabulary as v
 from eccentric.simulation.limits import LEAST_DECAY
 
+
 # NumPy's functions of one number, for a drive that is stepped in Python floats: faster than arrays of one.
 #
 # Arithmetic and square roots are exact to the last bit either way. All other functions are NumPy's own, which
 # have the same value for a number and in an array; Python's may differ in the last bit.
-
-
 def _select(conditions: Sequence[bool], values: Sequence[float], default: float = math.nan) -> float:
     return next((x for x, holds in zip(values, conditions, strict=True) if holds), default)
 
@@ -85,42 +83,27 @@ def _opaque(power: sp.Pow) -> sp.Expr:
     return made if positive == exponent else 1 / made
 
 
-Array = NDArray[np.float64]
-
 _OUTSIDE = frozenset({"inertial", "friction"})
 _CHANGING = frozenset({"theta_m", "omega_m", "alpha_m", "t", "temperature", "i", "u", "dt"})
 _FUNCTIONS = ("exp", "expm1", "maximum", "minimum", "where")
 
 
 class FrictionSide(NamedTuple):
-    """Friction in one direction of motion, each a number or (trajectories,).
+    """Friction in one direction of motion, each a number or (trajectories,)."""
 
-    Attributes:
-        dry: level of dry friction [N m]; with presliding, where its bristles end.
-        viscous: coefficient of the rest [N m s/rad].
-        held, damping, stiffness: level and coefficient while bristles bend, and how fast their torque grows,
-            times dt [N m s/rad].
-    """
-
-    dry: Any
-    viscous: Any
-    held: Any = None
-    damping: Any = None
-    stiffness: Any = None
+    dry: Any  # level of dry friction [N m]; with presliding, where its bristles end
+    viscous: Any  # coefficient of the rest [N m s/rad]
+    held: Any = None  # level while bristles bend [N m]
+    damping: Any = None  # coefficient of the rest while bristles bend [N m s/rad]
+    stiffness: Any = None  # how fast their torque grows, times dt [N m s/rad]
 
 
 class Torques(NamedTuple):
-    """The torques on the motor side at one state, each a number or (trajectories,).
+    """The torques on the motor side at one state, each a number or (trajectories,)."""
 
-    Attributes:
-        other: sum of all that is neither friction nor inertia [N m].
-        armature: what effects change of the current that a voltage drives, as a torque [N m].
-        backward, forward: friction by the direction of motion.
-    """
-
-    other: Any
-    armature: Any
-    backward: FrictionSide
+    other: Any  # sum of all that is neither friction nor inertia [N m]
+    armature: Any  # what effects change of the current that a voltage drives, as a torque [N m]
+    backward: FrictionSide  # friction by the direction of motion
     forward: FrictionSide
 
 

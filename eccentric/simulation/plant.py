@@ -22,25 +22,15 @@ from eccentric.simulation.recording import Recording, recording_of
 
 @dataclass(frozen=True)
 class DrivePlant:
-    """A drive at the values of its parameters, each a number or (sets, 1).
+    """A drive at the values of its parameters, each a number or (sets, 1)."""
 
-    Attributes:
-        law: of its model.
-        parameters: by name, as the emitted Parameters have them.
-        gain: torque on the motor side per unit of the drive signal [N m per V, A or N m].
-        damping: torque that the back-EMF takes per velocity while the motor is on [N m s/rad].
-        zero: motor angle of the recording at which the mass hangs straight down [rad].
-        offset: drive signal of the recording where none acts.
-        load: constant torque against positive motion, whether or not the motor is on [N m].
-    """
-
-    law: Law
-    parameters: Mapping[str, Any]
-    gain: Any
-    damping: Any
-    zero: Any = 0.0
-    offset: Any = 0.0
-    load: Any = 0.0
+    law: Law  # of its model
+    parameters: Mapping[str, Any]  # by name, as the emitted Parameters have them
+    gain: Any  # torque on the motor side per unit of the drive signal [N m per V, A or N m]
+    damping: Any  # torque that the back-EMF takes per velocity while the motor is on [N m s/rad]
+    zero: Any = 0.0  # motor angle of the recording at which the mass hangs straight down [rad]
+    offset: Any = 0.0  # drive signal of the recording where none acts
+    load: Any = 0.0  # constant torque against positive motion, whether or not the motor is on [N m]
 
     @property
     def ampere(self) -> Any:
@@ -135,23 +125,16 @@ def plant_of(fitted: Refit, law: Law) -> tuple[DrivePlant, Recording]:
     )
     recording = recording_of(aligned.channels)
     if fitted.model.states:
-        shapes = {
-            s.quantity.name: fitted.values[s.quantity.name] for e, _ in fitted.effects for s in e.shapes
-        }
-        states = state_series(fitted.model, fitted.data.signals, shapes)
+        states = state_series(fitted.model, fitted.data.signals, fitted.shapes)
         recording = dataclasses.replace(recording, states=states)
     return plant, recording
 
 
 def _changes_armature(fitted: Refit) -> bool:
-    """Whether effects change the electrical balance."""
     model = fitted.model
     used = {symbol for t in model.balance("electrical").terms for symbol in t.value.free_symbols}
     added = any("electrical" in extension.change.terms for extension in model.extensions)
     return added or not used.isdisjoint(model.replaced.values())
-
-
-# The controller of a rig in a simulation: its drive signal from the set point of the log and the state.
 
 
 Array = NDArray[np.float64]

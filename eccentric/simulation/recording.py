@@ -20,40 +20,26 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Recording:
-    """The signals of a log (n,), motor side, SI.
+    """The signals of a log (n,), motor side, SI."""
 
-    Attributes:
-        t: time [s].
-        segment: number of the stretch without gap.
-        run: number of the run.
-        theta_m, omega_m, alpha_m: the smoothed motion, which a simulation starts from.
-        measured: the angle as logged, which it is compared with [rad].
-        inputs: signals that drive it or that its friction follows, by name: `signal` (the measured drive, in
-            its own unit), t, and temperature and u where there are any.
-        off: rows with the motor switched off.
-        held_out: rows of the held-out part.
-        wanted: rows that the rig wants to be used.
-        carried: masses that some runs carry, each with its rows.
-        states: hidden states of its model along the measured motion, by name.
-        zero: the motor angle of the log that is 0 here [rad].
-        by_voltage: whether the measured drive is the armature voltage, u of the model.
-    """
-
-    t: Array
-    segment: Integers
-    run: Integers
-    theta_m: Array
+    t: Array  # time [s]
+    segment: Integers  # number of the stretch without gap
+    run: Integers  # number of the run
+    theta_m: Array  # the smoothed motion, which a simulation starts from
     omega_m: Array
     alpha_m: Array
-    measured: Array
+    measured: Array  # the angle as logged, which it is compared with [rad]
+    # signals that drive it or that its friction follows, by name: `signal` (the measured drive, in its
+    # own unit), t, and temperature and u where there are any
     inputs: Mapping[str, Array]
-    off: Mask
-    held_out: Mask
-    wanted: Mask
-    carried: tuple[tuple[Mask, AddedMass], ...] = ()
+    off: Mask  # rows with the motor switched off
+    held_out: Mask  # rows of the held-out part
+    wanted: Mask  # rows that the rig wants to be used
+    carried: tuple[tuple[Mask, AddedMass], ...] = ()  # masses that some runs carry, each with its rows
+    # hidden states of its model along the measured motion, by name
     states: Mapping[str, Array] = field(default_factory=dict)
-    zero: float = 0.0
-    by_voltage: bool = False
+    zero: float = 0.0  # the motor angle of the log that is 0 here [rad]
+    by_voltage: bool = False  # whether the measured drive is the armature voltage, u of the model
 
     @cached_property
     def changes(self) -> dict[str, Array]:
@@ -95,11 +81,9 @@ class Spans:
     steps: Integers
 
     def __len__(self) -> int:
-        """The number of spans."""
         return len(self.start)
 
     def __add__(self, other: Spans) -> Spans:
-        """Both, one after the other."""
         return Spans(np.r_[self.start, other.start], np.r_[self.steps, other.steps])
 
     def chosen(self, kept: Mask | Integers) -> Spans:

@@ -214,7 +214,6 @@ class _Task:
         return Spread(matrix, np.insert(error.alone, place, 0.0), np.insert(error.moves, place, 0.0, 1))
 
     def _at(self, x: Array) -> dict[str, float]:
-        """The nonlinear values by name."""
         own = x[len(self._problem.coefficients) :]
         return {**self._start.at, **{s.name: float(v) for s, v in zip(self._named, own, strict=True)}}
 

@@ -16,9 +16,6 @@ import numpy as np
 from eccentric.core import InputError, whole_files, workshop
 from eccentric.virtual_bench.simulation import BenchRun
 
-# A set of new files named after a log, written all or none.
-
-
 LOG = ".csv.gz"
 
 
@@ -67,9 +64,6 @@ _FORMATS = {
     "temperature_C": "%.2f",
 }
 _BESIDE = (".json", ".truth.json")
-
-
-# Log, rig and truth.
 
 
 def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:

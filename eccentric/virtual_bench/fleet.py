@@ -167,7 +167,6 @@ def _require(**numbers: float) -> None:
 
 
 def _joint(random: Generator, name: str, seed: int) -> FleetJoint:
-    """Draw a healthy joint of one of two kinds."""
     kind = ("shoulder", "elbow")[int(random.integers(2))]
     size = {"shoulder": 1.0, "elbow": 0.6}[kind]
 
@@ -255,9 +254,6 @@ def _shape(way: str, joint: FleetJoint, link: Array, omega: Array, normal: Array
     if way == "link_harmonic_friction":
         return np.sqrt(2.0) * np.cos(2.0 * link + 0.1 * joint.seed)
     return 2.0 * np.exp(-((omega / (0.25 * np.sqrt(np.mean(omega**2)))) ** 2))
-
-
-# FleetPlan -> a folder: logs/joint=.../month=.../log.parquet, rigs.csv, rig files, truth.json (sealed).
 
 
 _RIG = """# A kind of joint of the fleet; values of their own are in rigs.csv.

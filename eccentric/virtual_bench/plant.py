@@ -8,6 +8,14 @@ from dataclasses import InitVar, dataclass, field
 from math import cos, hypot, sin
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+def rms(values: ArrayLike) -> np.ndarray:
+    """Return the root of the mean square over the rows."""
+    return np.sqrt(np.mean(np.square(values), axis=0))
+
 
 @dataclass(frozen=True)
 class Plant:
@@ -98,9 +106,6 @@ class Plant:
     def hidden(self) -> dict[str, float]:
         """Return the friction coefficients, for the sealed truth."""
         return {name: getattr(self, name) for name in ("C_m", "B_m", "C_lN", "B_lN", "gamma_T", "beta_T")}
-
-
-# The motion of the rig at one simulation step, for the effects' laws.
 
 
 @dataclass(slots=True, eq=False)

@@ -22,9 +22,7 @@ from eccentric.virtual_bench.effects import (
     known_family,
     with_strengths,
 )
-from eccentric.virtual_bench.plant import Plant
-
-# The drive's reference speed, the held-out part of the log, and the control loop.
+from eccentric.virtual_bench.plant import Plant, rms
 
 
 @dataclass(frozen=True)
@@ -120,9 +118,6 @@ def sum_of_sines(rng: np.random.Generator, seconds: float, top_speed: float) -> 
         frequencies=tuple(np.round(frequencies, 4).tolist()),
         phases=tuple(np.round(phases, 4).tolist()),
     )
-
-
-# The servo drive: encoder, filtered velocity, PI speed controller, bus.
 
 
 @dataclass(frozen=True)
@@ -385,16 +380,6 @@ def _setting(plant: Plant, course: Course, top_speed: float) -> PlantSetting:
     current = drive / plant.k_i
     loss = float(np.mean(plant.R * current**2 + np.abs(np.array(torque) * speed)))
     heated = 1.0 - (1.0 - np.exp(-course.seconds / plant.tau)) * plant.tau / course.seconds
-    friction_rms, speed_rms, current_rms = (
-        float(np.sqrt(np.mean(np.square(x)))) for x in (torque, speed, current)
-    )
-    return PlantSetting(
-        plant,
-        friction_rms,
-        speed_rms,
-        top_speed,
-        current_rms,
-        max(1.0, _FINAL_RISE_K * float(heated)),
-        course.seconds,
-        loss,
-    )
+    warming = max(1.0, _FINAL_RISE_K * float(heated))
+    friction_rms, speed_rms, current_rms = (float(rms(x)) for x in (torque, speed, current))
+    return PlantSetting(plant, friction_rms, speed_rms, top_speed, current_rms, warming, course.seconds, loss)

@@ -9,8 +9,12 @@ import numpy as np
 
 from eccentric.core import InputError
 from eccentric.virtual_bench.effects import Law, PlantedEffect
-from eccentric.virtual_bench.plant import Motion, Plant
+from eccentric.virtual_bench.plant import Motion, Plant, rms
 from eccentric.virtual_bench.scenario import Scenario, servo, supply
+
+BoundLaw = tuple[str, PlantedEffect, Law]
+"""A port, the effect that acts there, and its law with fresh memory."""
+
 
 # One step of the rig's motion: second order in time while moving, exact while sticking.
 #
@@ -27,12 +31,6 @@ from eccentric.virtual_bench.scenario import Scenario, servo, supply
 #
 # whose unique solution is a soft threshold. A link below its Coulomb level is therefore exactly at rest,
 # without tanh, creep or event search.
-
-
-BoundLaw = tuple[str, PlantedEffect, Law]
-"""A port, the effect that acts there, and its law with fresh memory."""
-
-
 def laws(effects: Sequence[PlantedEffect]) -> list[BoundLaw]:
     """All laws of the effects with ports and fresh memory, in the order of `Motion.acting`."""
     return [(port, effect, law) for effect in effects for port, law in effect.start().items()]
@@ -206,7 +204,6 @@ class _Raw:
     """The true motion, one row per sample, torques in N m on the motor side."""
 
     theta: np.ndarray
-    w: np.ndarray
     drive_speed: np.ndarray
     u: np.ndarray
     i: np.ndarray
@@ -302,7 +299,7 @@ def _run(scenario: Scenario) -> _Raw:
     direction = np.sign(w_mid)
     base = np.stack([direction, w_mid, normal * direction, normal * w_mid], axis=1)
     moving = np.abs(w_mid) > threshold
-    return _Raw(theta, w, speed, u, logged, temperature, friction, base, torques, moving, threshold)
+    return _Raw(theta, speed, u, logged, temperature, friction, base, torques, moving, threshold)
 
 
 def _misread(
@@ -346,13 +343,9 @@ def _geared(
     return np.array([torque(*row, effect.amplitude) - torque(*row, 0.0) for row in zip(*motion, strict=True)])
 
 
-def _rms(x: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(x))))
-
-
 def _fractions(raw: _Raw) -> list[float]:
-    friction = _rms(raw.friction[raw.moving])
-    return [_rms(torque[raw.moving]) / friction for torque in raw.torques.T]
+    friction = rms(raw.friction[raw.moving])
+    return [float(rms(torque[raw.moving]) / friction) for torque in raw.torques.T]
 
 
 def _corrected(
@@ -431,7 +424,7 @@ def _truth(scenario: Scenario, raw: _Raw) -> dict[str, Any]:
         "rows": len(raw.theta),
         "mu": plant.mu,
         "case": plant.case,
-        "friction_rms_Nm": _rms(raw.friction[raw.moving]),
+        "friction_rms_Nm": float(rms(raw.friction[raw.moving])),
         "hidden_parameters": plant.hidden(),
         "thermal": {"Rth": plant.Rth, "tau": plant.tau, "Tamb": plant.Tamb},
         "temperature_range": [float(raw.temperature.min()), float(raw.temperature.max())],
@@ -455,7 +448,7 @@ def _truth(scenario: Scenario, raw: _Raw) -> dict[str, Any]:
 
 def _beyond_the_paper(raw: _Raw) -> list[float]:
     """Return each effect's rms residual after refitting the paper's model, over the friction rms."""
-    base, friction = raw.base[raw.moving], _rms(raw.friction[raw.moving])
-    torques = raw.torques[raw.moving]
+    base, torques = raw.base[raw.moving], raw.torques[raw.moving]
     coefficients, *_ = np.linalg.lstsq(base, torques, rcond=None)
-    return [_rms(rest) / friction for rest in (torques - base @ coefficients).T]
+    friction = rms(raw.friction[raw.moving])
+    return [float(rms(rest) / friction) for rest in (torques - base @ coefficients).T]

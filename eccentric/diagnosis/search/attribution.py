@@ -26,46 +26,34 @@ from eccentric.diagnosis.search.screen import Fitted, Screen
 from eccentric.diagnosis.search.stability import Stability, beats_chance, stability_of
 from eccentric.identification import BalanceDesign
 
-Array = np.ndarray
-
 
 class RuledOut(NamedTuple):
-    """Models with a candidate that is not possible, last in each.
+    """Models with a candidate that is not possible, last in each."""
 
-    better: those that explain more than the best model, or no less with fewer effects; as_well: those that
-    explain the log as well, each with the family of the adopted effect in whose place the candidate is.
-    """
-
-    better: list[Fitted]
-    as_well: list[tuple[str, Fitted]]
+    better: list[Fitted]  # explain more than the best model, or no less with fewer effects
+    as_well: list[tuple[str, Fitted]]  # as well, with the family of the adopted effect in whose place it is
 
 
 @dataclass
 class Search:
-    """The search on one balance.
-
-    base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
-    smoothed: smooth terms beside the adopted ones; ruled_out: candidates that the drive cannot have;
-        alternatives: per adopted variant, family -> (probability, fit);
-        steps: the best model after each step; tried: other models that were compared with it;
-        required: deviance that an addition has to gain; stability: of the adopted effects; by_both: of
-        effects that this balance alone leaves open, family -> deviance by which the other one, or both
-        together, prefer it.
-    """
+    """The search on one balance."""
 
     screen: Screen
     smooth: Screen
-    base: Fitted
-    best: Fitted
-    ranked: list[Fitted] = field(default_factory=list)
-    smoothed: list[Fitted] = field(default_factory=list)
+    base: Fitted  # the paper's model alone
+    best: Fitted  # with the adopted variants
+    ranked: list[Fitted] = field(default_factory=list)  # the first step's candidates
+    smoothed: list[Fitted] = field(default_factory=list)  # smooth terms beside the adopted ones
+    # per adopted variant: family -> (probability, fit)
     alternatives: list[dict[str, tuple[float, Fitted]]] = field(default_factory=list)
-    steps: list[Fitted] = field(default_factory=list)
-    tried: list[Fitted] = field(default_factory=list)
-    required: float = limits.LEAST_DEVIANCE
-    stability: Stability = field(default_factory=Stability)
+    steps: list[Fitted] = field(default_factory=list)  # the best model after each step
+    tried: list[Fitted] = field(default_factory=list)  # other models that were compared with it
+    required: float = limits.LEAST_DEVIANCE  # deviance that an addition has to gain
+    stability: Stability = field(default_factory=Stability)  # of the adopted effects
+    # of effects that this balance alone leaves open: family -> deviance by which the other one, or both
+    # together, prefer it
     by_both: dict[str, float] = field(default_factory=dict)
-    ruled_out: Screen | None = None
+    ruled_out: Screen | None = None  # candidates that the drive cannot have
 
     def run(self) -> None:
         """Adopt, compare, then fit the smooth terms to what is left."""
@@ -470,21 +458,14 @@ def _without(fitted: Fitted, place: int) -> list[Variant]:
     return [variant for k, variant in enumerate(fitted.variants) if k != place]
 
 
-# Which of a few candidates a balance needs, without smooth terms: the loads that friction may follow.
-
-
 @dataclass(frozen=True)
 class LoadSearch:
-    """What was found.
+    """What was found."""
 
-    adopted: families, in order of adoption; alike: others that explain the balance as well as one of them;
-    deviance: gain of the best single candidate, cross-validated; required: what an addition has to gain.
-    """
-
-    adopted: tuple[str, ...]
-    alike: tuple[str, ...]
-    deviance: float
-    required: float
+    adopted: tuple[str, ...]  # families, in order of adoption
+    alike: tuple[str, ...]  # others that explain the balance as well as one of them
+    deviance: float  # gain of the best single candidate, cross-validated
+    required: float  # what an addition has to gain
 
 
 def required_over(joints: int) -> float:

@@ -28,9 +28,6 @@ from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.signals import Channels, Rows, motion_of, search_rows, white_noise
 
-# Orders of the motor that stand out in a residual: its spectrum over the motor angle.
-
-
 Array = np.ndarray
 
 
@@ -148,9 +145,6 @@ def _peaks(orders: Array, power: Array, turns: float, where: Array) -> list[floa
         found.append(float(orders[k]))
         rest[np.abs(orders - orders[k]) < 2.0 / turns] = 0.0
     return found
-
-
-# Both balances as linear designs, and the setting of the library.
 
 
 def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesign], dict[str, float]]:
@@ -337,8 +331,6 @@ def _drive_current(data: FitData) -> Array | None:
 #
 # Reference: A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach for industrial
 # robot identification", IEEE Trans. Control Systems Technology 22(1), 2014.
-
-
 def instruments_of(data: FitData, model: Model, friction: Array) -> Signals | None:
     """The signals of a log from its motion alone; None where its rows average all noise away.
 

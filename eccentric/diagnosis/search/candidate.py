@@ -25,13 +25,10 @@ Values = dict[str, float]
 
 @dataclass(frozen=True)
 class Scaling:
-    """What an effect multiplies.
+    """What an effect multiplies."""
 
-    base: factors on the columns of the base (samples, p); by_role: role of friction -> factor (samples,).
-    """
-
-    base: Array
-    by_role: Mapping[Role, Array]
+    base: Array  # factors on the columns of the base (samples, p)
+    by_role: Mapping[Role, Array]  # role of friction -> factor (samples,)
 
     def on(self, roles: Sequence[Role]) -> Array:
         """The factors on columns of these roles (samples, k)."""
@@ -184,8 +181,6 @@ def bounds_of(candidate: Candidate, width: int) -> Array:
 #
 # The coefficients are eliminated, as in the variable projection of G. H. Golub and V. Pereyra (SIAM Journal
 # on Numerical Analysis 10(2), 1973), so that only the shapes are searched.
-
-
 def refined(
     variants: Sequence[Variant], residual: Callable[[Sequence[Variant]], Array], steps: int
 ) -> list[Variant]:
@@ -265,29 +260,22 @@ def _place(shape: Shape, values: Values) -> float:
 #
 # They compete with the physical candidates in the same cross-validation: no physical effect explains what
 # they still remove from a residual.
-
-
 @dataclass(frozen=True)
 class Variables:
-    """What a residual may depend on: smooth signals (samples,), None where a log has none.
+    """What a residual may depend on: smooth signals (samples,), None where a log has none."""
 
-    t: time in the run [s]; theta_m, omega_m, alpha_m: of the motor, theta_m None where the angles of several
-    runs have no common zero; current [A]; voltage [V]; temperature [degC]; gravity: its torque on the motor
-    side [N m]; mu: gear ratio; averaged: whether a row is the mean of a whole run, which has no time, and
-    only the acceleration between its ends; instruments: the same without the noise of the target.
-    """
-
-    t: Array
-    theta_m: Array | None
+    t: Array  # time in the run [s]
+    theta_m: Array | None  # of the motor; None where the angles of several runs have no common zero
     omega_m: Array
     alpha_m: Array
-    gravity: Array
-    mu: float
-    current: Array | None = None
-    voltage: Array | None = None
-    temperature: Array | None = None
+    gravity: Array  # its torque on the motor side [N m]
+    mu: float  # gear ratio
+    current: Array | None = None  # [A]
+    voltage: Array | None = None  # [V]
+    temperature: Array | None = None  # [degC]
+    # whether a row is the mean of a run: no time, and the acceleration between its ends only
     averaged: bool = False
-    instruments: Variables | None = None
+    instruments: Variables | None = None  # the same without the noise of the target
 
 
 def smooth_terms(variables: Variables, balance: str, valid: Array) -> list[Candidate]:

@@ -184,8 +184,6 @@ def inverses(matrices: Array, ridge: Array | float = 0.0) -> Array:
 # the floor.
 #
 # Reference: J. A. Hausman, "Specification tests in econometrics", Econometrica 46(6), 1978.
-
-
 def exogenous(target: Array, base: Array, own: Array, instruments: Array) -> bool:
     """Whether instruments find what least squares finds.
 
@@ -226,8 +224,6 @@ def spans(base: Array, columns: Array) -> bool:
 
 
 # How many rows a residual counts as: rows that follow each other repeat a part of what they say.
-
-
 def inflation(residual: Array, block: Array) -> float:
     """Variance inflation 1 + 2 sum of autocorrelation (Bartlett weights), at least 1.
 

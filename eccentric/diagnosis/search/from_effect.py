@@ -234,8 +234,6 @@ def _changes(
 #
 # An effect itself decides from the `Setting` whether it makes sense for a rig. What follows from the record
 # of any effect is checked here: channels, balances, variables and parameters that this log has.
-
-
 def offered(
     setting: Setting, own: Path | None, data: FitData, rig: Rig, base: Model, balances: set[str]
 ) -> tuple[Effect, ...]:

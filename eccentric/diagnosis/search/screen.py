@@ -371,9 +371,6 @@ class Screen:
         return target - design @ bounded_solve(design.T @ design, design.T @ target, lower)
 
 
-# Effects that a person names, fitted without a search: the best variant of each on the training part.
-
-
 def fitted_variants(
     balances: Sequence[BalanceDesign], pools: Sequence[Sequence[Candidate]], noise: Mapping[str, float]
 ) -> list[tuple[Variant, tuple[float, ...]] | None]:

@@ -46,13 +46,11 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Stability:
-    """What the variants of a log found; nothing where it has too few blocks.
+    """What the variants of a log found; nothing where it has too few blocks."""
 
-    best: of each variant, the families of its best model, and of the declared values that it found off;
-    weights: such a set -> its mean posterior weight.
-    """
-
+    # of each variant: families of its best model and of declared values off
     best: tuple[frozenset[str], ...] = ()
+    # such a set -> its mean posterior weight
     weights: Mapping[frozenset[str], float] = field(default_factory=dict)
 
     @property
@@ -253,8 +251,6 @@ def _means_of_two(rows: Array, block: Array) -> tuple[Array, Array]:
 #
 # Reference: R. Davidson, E. Flachaire, "The wild bootstrap, tamed at last", Journal of Econometrics 146(1),
 # 2008 (signs at random, on the residuals of the smaller model).
-
-
 def flipped_null(residual: Array, columns: Array, block: Array) -> Array:
     """Largest single-column gain, in units of the residual's variance, under random signs per block (DRAWS,).
 
@@ -323,21 +319,15 @@ def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
 
 @dataclass(frozen=True)
 class _Drawn:
-    """The normal equations of a model on draws: of what is predicted, by block, and of a second's noise.
+    """The normal equations of a model on draws: of what is predicted, by block, and of a second's noise."""
 
-    fixed: of the prediction, blocks with rows only, as everywhere here; noise (seconds, p), squares, mixed
-    (seconds,): the residual times the columns, itself and the prediction; starts (blocks,): the first second
-    of each; group (blocks,): what the cross-validation leaves out together, as in `Screen.fit`; inverse
-    (groups, p, p): of the normal equations without the blocks of a group.
-    """
-
-    fixed: Gram
-    noise: Array
-    squares: Array
-    mixed: Array
-    starts: Array
-    group: Array
-    inverse: Array
+    fixed: Gram  # of the prediction, blocks with rows only, as everywhere here
+    noise: Array  # (seconds, p): the residual times the columns
+    squares: Array  # (seconds,): the residual times itself
+    mixed: Array  # (seconds,): times the prediction
+    starts: Array  # (blocks,): the first second of each
+    group: Array  # (blocks,): what the cross-validation leaves out together, as in `Screen.fit`
+    inverse: Array  # (groups, p, p): of the normal equations without the blocks of a group
 
     @classmethod
     def of(cls, screen: Screen, fitted: Fitted, predicted: Array, residual: Array, second: Array) -> _Drawn:

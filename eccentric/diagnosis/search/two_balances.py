@@ -30,14 +30,12 @@ from eccentric.diagnosis.search.crossval import bounded_solve, spans, unexplaine
 from eccentric.diagnosis.search.screen import Fitted, Screen
 from eccentric.identification import BalanceDesign, Coefficient
 
-# An effect that both balances show, estimated from both: one may leave open what the other determines.
-
-
 Array = np.ndarray
 Beside = tuple[Array, Array]
 """Columns of a mechanical effect (rows, k), and the lower bounds of their coefficients (k,)."""
 
 
+# An effect that both balances show, estimated from both: one may leave open what the other determines.
 class BothBalances:
     """The variants of the electrical balance on both balances, each weighted by what a fit leaves in it.
 
@@ -100,8 +98,6 @@ class BothBalances:
 # The mechanical search is offered all of them as torques. What it finds is held against the circuit, with the
 # coefficients that the torque gives it: an effect whose voltage is missing there is not offered again. Where
 # the torque cannot tell one from friction, which has no voltage, what the circuit says is added.
-
-
 def as_torques(electrical: Search) -> list[Candidate]:
     """Effects on the flux for the mechanical search.
 
@@ -196,9 +192,6 @@ def _likely(mechanical: Search, place: int, family: str) -> set[str]:
     """The families that may be in the place of an adopted one."""
     likely = {other for other, chance in mechanical.chances(place).items() if chance > limits.POSSIBLE}
     return (likely | set(mechanical.instead(family))) - {family}
-
-
-# The search on both balances.
 
 
 def search_all(
@@ -333,15 +326,12 @@ def _in_place(electrical: Search, place: int) -> list[Search]:
 
 @dataclass(frozen=True)
 class _Misread:
-    """The family of a mechanical effect, and what it adds to the electrical target.
-
-    samples (n, k) and their averages, columns (rows, k); coefficients: (k,), as the torque has them.
-    """
+    """The family of a mechanical effect, and what it adds to the electrical target."""
 
     family: str
-    samples: Array
-    columns: Array
-    coefficients: Array
+    samples: Array  # (n, k)
+    columns: Array  # their averages (rows, k)
+    coefficients: Array  # (k,), as the torque has them
 
 
 def _in_the_circuit(mechanical: Search, circuit: BalanceDesign) -> _Misread | None:

@@ -26,8 +26,6 @@ from eccentric.effects import Words
 from eccentric.identification import BalanceDesign
 from eccentric.signals import MANY_RUNS
 
-# The measurement that would decide.
-
 
 @dataclass(frozen=True)
 class NextMeasurement:
@@ -64,77 +62,58 @@ def next_measurement(
     return NextMeasurement("separate", between=(tied[0], tied[1] if len(tied) > 1 else tied[0]))
 
 
-# The verdict.
-
-
 @dataclass(frozen=True)
 class Adopted:
-    """An adopted variant with its balance.
-
-    coefficients: of its columns, none if its parameters are all shapes; share: RMS that it removes from the
-        residual beside the others, as a fraction of the balance's scale; found: in how many of the `variants`
-        of the log its family is part of the best model; instead: family -> in how many it takes the place;
-        alike: families that explain the log equally well, its own first; none if it is clearly
-        ahead; undecided: whether it is a declared value, and what is alike is an effect: beside the
-        name of another the two stay open; by_both: whether too few variants find it, and both balances
-        together decide; covers: likely families that its name stands for as well.
-    """
+    """An adopted variant with its balance."""
 
     balance: str
     variant: Variant
-    coefficients: tuple[float, ...]
-    share: float
-    found: int = 0
+    coefficients: tuple[float, ...]  # of its columns, none if its parameters are all shapes
+    share: float  # RMS that it removes beside the others, as a fraction of the balance's scale
+    found: int = 0  # in how many of the `variants` of the log its family is part of the best model
     variants: int = 0
-    instead: Mapping[str, int] = field(default_factory=dict)
+    instead: Mapping[str, int] = field(default_factory=dict)  # family -> in how many it takes the place
+    # families that explain the log equally well, its own first; none if it is clearly ahead
     alike: tuple[str, ...] = ()
+    # whether it is a declared value, and what is alike is an effect: beside the name of another the two
+    # stay open
     undecided: bool = False
-    by_both: bool = False
-    covers: tuple[str, ...] = ()
+    by_both: bool = False  # whether too few variants find it, and both balances together decide
+    covers: tuple[str, ...] = ()  # likely families that its name stands for as well
 
 
 @dataclass(frozen=True)
 class Ranked:
-    """A candidate in the list: id, family, balance, cross-validated RMSE [N m], probability, words.
-
-    instead_of: the family of the adopted effect in whose place it is; "" for none.
-    """
+    """A candidate in the list."""
 
     id: str
     family: str
     balance: str
-    rmse: float
+    rmse: float  # cross-validated [N m]
     probability: float
     words: Words = field(default_factory=Words)
-    instead_of: str = ""
+    instead_of: str = ""  # the family of the adopted effect in whose place it is; "" for none
 
 
 @dataclass(frozen=True)
 class Attribution:
-    """What was decided.
+    """What was decided."""
 
-    verdict: as in the module's table; adopted: effects by share, the largest first (for `unexplained` the
-    best approximation, not to be reported as a name); tied: families that explain the log equally well;
-    candidates: best first, those of the balance that the verdict is about before all others; depends_on:
-    variables that the residual of the paper's model follows, strongest first;
-    next_measurement: None if nothing is open; searches: per balance;
-    deviance: per balance, the gain of the best addition and the level that chance reaches (99 %);
-    unconfirmed: adopted effects that did not predict the held-out part;
-    ruled_out: candidates that would explain what is left, on a drive that has the parts they need;
-    excluded: those that explain the log as well as an adopted effect, likewise.
-    """
-
-    verdict: str
+    verdict: str  # as in the module's table
+    # by share, the largest first; for `unexplained` the best approximation, not to be reported as a
+    # name
     adopted: tuple[Adopted, ...]
-    tied: tuple[str, ...]
+    tied: tuple[str, ...]  # families that explain the log equally well
+    # best first, those of the balance that the verdict is about before all others
     candidates: tuple[Ranked, ...]
-    depends_on: tuple[str, ...]
-    next_measurement: NextMeasurement | None
-    searches: dict[str, Search]
+    depends_on: tuple[str, ...]  # variables that the residual of the paper's model follows, strongest first
+    next_measurement: NextMeasurement | None  # None if nothing is open
+    searches: dict[str, Search]  # per balance
+    # per balance, the gain of the best addition and the level that chance reaches (99 %)
     deviance: dict[str, tuple[float, float]]
-    unconfirmed: tuple[str, ...] = ()
-    ruled_out: tuple[Ranked, ...] = ()
-    excluded: tuple[Ranked, ...] = ()
+    unconfirmed: tuple[str, ...] = ()  # adopted effects that did not predict the held-out part
+    ruled_out: tuple[Ranked, ...] = ()  # would explain what is left, on a drive that has the parts they need
+    excluded: tuple[Ranked, ...] = ()  # explain the log as well as an adopted effect, likewise
 
     @property
     def explained(self) -> float:

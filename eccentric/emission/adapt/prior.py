@@ -51,32 +51,20 @@ _INSIDE = 1e-2
 
 @dataclass(frozen=True)
 class Prior:
-    """Where the estimator starts; arrays have an entry for each of the n columns of the regressor.
+    """Where the estimator starts; arrays have an entry for each of the n columns of the regressor."""
 
-    Attributes:
-        columns: of the regressor, in the words of the axis.
-        values: of the coefficients, in SI units.
-        deviations: their standard deviations.
-        correlation: of their errors (n, n).
-        lowest, highest: their bounds.
-        noise: standard deviation of the measured friction torque [N m, or N].
-        moving: least speed at which a row is used [rad/s, or m/s].
-        friction: mean size of the friction at a medium speed [N m, or N].
-        rows: of the regressor over the friction, at the identified states that bound all others (m, n).
-        origin: where all this comes from, in words.
-    """
-
-    columns: tuple[Column, ...]
-    values: np.ndarray
-    deviations: np.ndarray
-    correlation: np.ndarray
-    lowest: np.ndarray
-    highest: np.ndarray
-    noise: float
-    moving: float
-    friction: float
+    columns: tuple[Column, ...]  # of the regressor, in the words of the axis
+    values: np.ndarray  # of the coefficients, in SI units
+    deviations: np.ndarray  # their standard deviations
+    correlation: np.ndarray  # of their errors (n, n)
+    lowest: np.ndarray  # their lower bounds
+    highest: np.ndarray  # their upper bounds
+    noise: float  # standard deviation of the measured friction torque [N m, or N]
+    moving: float  # least speed at which a row is used [rad/s, or m/s]
+    friction: float  # mean size of the friction at a medium speed [N m, or N]
+    # of the regressor over the friction, at the identified states that bound all others (m, n)
     rows: np.ndarray
-    origin: str
+    origin: str  # where all this comes from, in words
 
     def factors(self) -> tuple[np.ndarray, np.ndarray]:
         """U (n, n), unit upper triangular, and d (n,): U diag(d) U' is the correlation."""
@@ -265,9 +253,6 @@ def joint_deviations(rows: int, coefficients: int) -> float:
     return float(min(-ndtri(beyond / rows), math.sqrt(chdtri(coefficients, beyond))))
 
 
-# What the user asks of the estimator.
-
-
 MOST_SETTLE = 100_000
 LEAST_FORGETTING, LEAST_FALSE_ALARMS, MOST_FALSE_ALARMS = 0.9, 100.0, 1e10
 
@@ -316,32 +301,20 @@ class Adaptation:
 # change. Of all tests with the same mean time between false alarms, one sum with k at half the shift has the
 # least (Moustakides, Annals of Statistics 14, 1986): no test is below. That least delay grows as Lorden's
 # 2 ln(between)/shift^2 for ever rarer false alarms; at finite ones this leaves out a constant: no bound.
-
-
 _NODES = 200
 
 
 @dataclass(frozen=True)
 class Alarm:
-    """The threshold of the alarm, and what is known of it.
+    """The threshold of the alarm, and what is known of it."""
 
-    Attributes:
-        shift: the change of the innovation that it is made for, in its standard deviations.
-        reference: k, half the shift: the optimum for it.
-        threshold: h.
-        between: mean number of samples between false alarms, of both sums together.
-        delay: mean number of samples until that change is announced, at the worst moment: from sums of 0.
-        bound: the least such delay of any test with these false alarms: of one sum, which knows the sign.
-        lorden: what the bound grows as for ever rarer false alarms, 2 ln(between)/shift^2.
-    """
-
-    shift: float
-    reference: float
-    threshold: float
-    between: float
-    delay: float
-    bound: float
-    lorden: float
+    shift: float  # the change of the innovation that it is made for, in its standard deviations
+    reference: float  # k, half the shift: the optimum for it
+    threshold: float  # h
+    between: float  # mean number of samples between false alarms, of both sums together
+    delay: float  # mean number of samples until that change is announced, at the worst moment: from sums of 0
+    bound: float  # the least such delay of any test with these false alarms: of one sum, which knows the sign
+    lorden: float  # what the bound grows as for ever rarer false alarms, 2 ln(between)/shift^2
 
 
 def run_length(reference: float, threshold: float, mean: float = 0.0) -> float:

@@ -164,24 +164,16 @@ def _lines(lines: Iterable[str], spelled: Callable[[str, str], str]) -> list[str
 #
 # `prepare` computes them from all parameters, in double. While only the friction changes, they are linear
 # functions of its coefficients; constant and factors are computed here to 50 digits.
-
-
 _CLOSE = mpmath.mpf(10) ** -30
 
 
 @dataclass(frozen=True)
 class Followed:
-    """One coefficient of the C that depends on friction.
+    """One coefficient of the C that depends on friction."""
 
-    Attributes:
-        name: of the coefficient.
-        constant: decimal, "" if it is 0.
-        factors: column -> decimal, where it is not 0; "1.0" is a copy.
-    """
-
-    name: str
-    constant: str
-    factors: Mapping[int, str]
+    name: str  # of the coefficient
+    constant: str  # decimal, "" if it is 0
+    factors: Mapping[int, str]  # column -> decimal, where it is not 0; "1.0" is a copy
 
 
 def followed(model: Model, program: Program, columns: Sequence[Column], single: bool) -> list[Followed]:
@@ -244,9 +236,6 @@ def applied_lines(model: Model, program: Program, columns: tuple[Column, ...], s
     return code(lines)
 
 
-# What holds of every state of the estimator, and how Frama-C's Eva proves it.
-
-
 STATES = (
     "-eva-domains equality -eva-slevel 20 -eva-slevel-function NAME_project:2000,NAME_variance:100,main:100"
 )
@@ -274,9 +263,6 @@ def bounds(n: int) -> list[tuple[str, str, str]]:
 def within(n: int) -> str:
     """The condition in C that the coefficients are within their bounds."""
     return " && ".join(f"(x_{k} >= LOWEST_{k}) && (x_{k} <= HIGHEST_{k})" for k in range(n))
-
-
-# What the estimator takes in every sample, each with the range that it is left out beyond.
 
 
 NEEDED = ("mechanical_residual", "regressor", "friction_coefficients")

@@ -28,9 +28,6 @@ from eccentric.emission.templates import plain
 from eccentric.model import Model, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
 
-# The constants of the estimator, by the names in capitals that its C and Python share.
-
-
 AVERAGED = 2**15
 """Rows over which noise and correlation are averaged: the standard deviation to 0.4 %."""
 ARMED = 2**10
@@ -229,9 +226,6 @@ def _zeroed(model: Model, prior: Prior) -> list[str]:
     """Friction parameters that only a combination shows: it is assigned to another letter."""
     letters = {column.parameter.name for column in prior.columns}
     return [q.name for q in model.friction_parameters if q.name not in letters]
-
-
-# A model, its prior and what is asked -> the files of its estimator.
 
 
 def render_adapt(

@@ -9,15 +9,9 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.emission.program import (
-    BITS,
-    COSINE,
-    LEADING_BITS,
-    SINE_RATIO,
-    Program,
-)
+from eccentric.emission.program import BITS, COSINE, LEADING_BITS, SINE_RATIO, Program
 from eccentric.emission.templates import plain
-from eccentric.model import Assignment, Input, Leading, Quantity
+from eccentric.model import Assignment, Input, Quantity
 
 
 @dataclass(frozen=True)
@@ -44,9 +38,6 @@ class Backend:
         """Template -> file of a program of that name."""
         chosen = self.single_file if single_file and self.single_file else self.files
         return {template: file.format(name=name) for template, file in chosen.items()}
-
-
-# Spellings that back ends share: numbers, defaults, series, assignments; and programs with plain text.
 
 
 def with_plain_text(program: Program) -> Program:
@@ -81,18 +72,8 @@ def number(decimal: str) -> str:
     return decimal if any(mark in decimal for mark in ".en") else f"{decimal}.0"
 
 
-def default_text(q: Quantity) -> str:
-    """The default of a parameter as the shortest decimal."""
-    return repr(float(sp.Rational(q.default)))
-
-
 SPLITTING = {name: f"{2 ** (BITS['double'] - bits) + 1}.0" for name, bits in LEADING_BITS.items()}
 """Veltkamp's factors of the split into leading digits, in double even if the working precision is single."""
-
-
-def splitting(program: Program) -> dict[str, str] | None:
-    """These factors, or None if no angle is reduced."""
-    return SPLITTING if any(a.value.has(Leading) for a in program.prepare) else None
 
 
 def used_series(program: Program) -> list[str]:

@@ -23,9 +23,6 @@ from eccentric.emission.templates import plain, template
 from eccentric.model import TURNING, AxisKind, Bump, Model, Quantity, interface_of, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
 
-# The driver with which Frama-C's Eva proves that an emitted C source gives no overflow and no NaN.
-
-
 # Arrays are proved for this many samples: the loop's body is the same for all.
 _SAMPLES = 2
 # Lowest and highest value of an input, in SI units. A time step is positive, but any other is harmless.

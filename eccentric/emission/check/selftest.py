@@ -17,27 +17,17 @@ import numpy as np
 from eccentric.emission.program import ABSENT
 from eccentric.model import vocabulary as v
 
-# An emitted function as called by the checks.
-
 
 @dataclass(frozen=True)
 class Called:
-    """One emitted function.
+    """One emitted function."""
 
-    Attributes:
-        name: in NumPy and, behind the model's prefix, in C.
-        inputs: names, in order.
-        width: number of its values.
-        scalar: whether C returns the single value; otherwise it writes to an array.
-        call: in C, from x[] to out[].
-        array_call: of its array function, from ARRAY samples in each of x_n[] to out_n[]; "" without inputs.
-    """
-
-    name: str
-    inputs: tuple[str, ...]
-    width: int
-    scalar: bool
-    call: str
+    name: str  # in NumPy and, behind the model's prefix, in C
+    inputs: tuple[str, ...]  # names, in order
+    width: int  # number of its values
+    scalar: bool  # whether C returns the single value; otherwise it writes to an array
+    call: str  # in C, from x[] to out[]
+    # of its array function, from ARRAY samples in each of x_n[] to out_n[]; "" without inputs
     array_call: str
 
 
@@ -231,16 +221,7 @@ def _spans(inputs: list[str], length: int) -> list[list[float]]:
         return [span if name == "theta_m" else size for name, size in zip(names, usual, strict=True)]
 
     nearby, closer, tiny, any_bits = ([x] * len(names) for x in (2.0**-9, 2.0**-19, 1.0, 0.0))
-    return [
-        usual,
-        with_angle(2.0**11),
-        with_angle(2.0**15),
-        nearby,
-        closer,
-        tiny,
-        any_bits,
-        with_angle(0.0),
-    ]
+    return [usual, with_angle(2.0**11), with_angle(2.0**15), nearby, closer, tiny, any_bits, with_angle(0.0)]
 
 
 def _special(k: int, at: float, real: Any) -> np.ndarray:

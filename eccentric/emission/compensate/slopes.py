@@ -26,18 +26,13 @@ ZERO, ONE = sp.Integer(0), sp.Integer(1)
 
 @dataclass(frozen=True)
 class SlopeBound:
-    """Of an expression, for all inputs within their ranges.
+    """Of an expression, for all inputs within their ranges."""
 
-    Attributes:
-        size: at least its magnitude.
-        least: at most its value; 0 where nothing better is known of a value that is never negative, and None
-            of one that may be.
-        slopes: at least the magnitude of its slope by each input that it depends on.
-    """
-
-    size: sp.Expr
+    size: sp.Expr  # at least its magnitude
+    # at most its value; 0 where nothing better is known of a value that is never negative, and None
+    # of one that may be
     least: sp.Expr | None
-    slopes: Slopes
+    slopes: Slopes  # at least the magnitude of its slope by each input that it depends on
 
 
 class Walk:
@@ -246,22 +241,14 @@ _RULES = (
 )
 
 
-# How steep the compensation is: bounds of the budget, one assignment after the other.
-
-
 @dataclass(frozen=True)
 class Steepness:
-    """Assignments name = formula, and the names of what the constants follow from.
+    """Assignments name = formula, and the names of what the constants follow from."""
 
-    Attributes:
-        assignments: in the order of their computation; of the parameters and of the largest speed, `speed`.
-        size: the largest level of dry friction up to this speed.
-        by: input -> the largest slope of the friction in one direction of motion.
-    """
-
+    # in the order of their computation; of the parameters and of the largest speed, `speed`
     assignments: tuple[tuple[str, sp.Expr], ...]
-    size: sp.Expr
-    by: Mapping[str, sp.Expr]
+    size: sp.Expr  # the largest level of dry friction up to this speed
+    by: Mapping[str, sp.Expr]  # input -> the largest slope of the friction in one direction of motion
 
 
 _FASTEST_MOTION = sp.Symbol("speed_at_most", nonnegative=True)

@@ -24,8 +24,6 @@ from eccentric.emission.templates import plain, template
 from eccentric.model import LINEAR, TURNING, AxisKind, Model, regressor, spoken, spoken_quantity
 from eccentric.model import vocabulary as v
 
-# Assignments in the language of C and of Python, of formulas in the parameters.
-
 
 @dataclass(frozen=True)
 class _Spelled:

@@ -138,7 +138,6 @@ def _of_drive(model: Model) -> tuple[str, ...]:
 
 
 def _of_functions(lines: Sequence[str], names: Collection[str]) -> tuple[str, ...]:
-    """The bounds of these functions only."""
     found = []
     for line in lines:
         functions, within, bound = line.partition(" within")
@@ -232,8 +231,6 @@ def _of_one_sign(model: Model) -> bool:
 # last digits of the normal force, absolute for the cosine. The degree is the lowest with an error below a
 # fifth of a unit of the working precision. The stated error is that of the coefficients rounded to the
 # working precision.
-
-
 _DIGITS = 40  # ten of which are lost in solving the equations
 # The half angle is within a quarter turn, plus its own rounding, which in single precision is at most 2^-10
 # of half a turn (tests/test_polynomials.py): the error is that up to the latter edge.
@@ -251,17 +248,11 @@ _ROUNDING = {"sine_ratio": ("6.2e-8", "1.2e-16"), "cosine": ("2.3e-7", "4.2e-16"
 
 @dataclass(frozen=True)
 class Polynomial:
-    """Coefficients of S or C from the highest power down, as decimals, and bounds of their errors.
+    """Coefficients of S or C from the highest power down, as decimals, and bounds of their errors."""
 
-    Attributes:
-        coefficients: as they are printed.
-        error: bound of the method's error, of 1 + x S(x) relative to sin(h)/h, of 1 + x C(x) absolute.
-        rounding: bound of the rounding error of x S(x) or 1 + x C(x), absolute.
-    """
-
-    coefficients: tuple[str, ...]
-    error: str
-    rounding: str
+    coefficients: tuple[str, ...]  # as they are printed
+    error: str  # bound of the method's error, of 1 + x S(x) relative to sin(h)/h, of 1 + x C(x) absolute
+    rounding: str  # bound of the rounding error of x S(x) or 1 + x C(x), absolute
 
 
 @cache
@@ -350,7 +341,6 @@ def _solved(rows: list[list[Decimal]]) -> list[Decimal]:
 def _errors(
     grid: list[Decimal], exact: list[tuple[Decimal, Decimal]], coefficients: Iterable[Decimal]
 ) -> list[Decimal]:
-    """Weighted errors at the points of the grid."""
     coefficients, errors = list(coefficients), []
     for x, (value, weight) in zip(grid, exact, strict=True):
         series = Decimal(0)

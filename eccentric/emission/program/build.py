@@ -51,8 +51,6 @@ from eccentric.model import (
 )
 from eccentric.model import vocabulary as v
 
-# Conditions on the parameters of a model, beside the sign of each: when a time step has one solution.
-
 
 def stepped(routines: Iterable[Routine]) -> frozenset[str]:
     """The names of those that solve for a motion, from a torque."""
@@ -109,24 +107,17 @@ def conditions(model: Model) -> tuple[Condition, ...]:
     return tuple(listed.values())
 
 
-# What of a model is emitted: all of it, or the functions that a user calls and what they need.
-
-
 Arrays = Literal["with", "beside", "none"]
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A choice of what to emit.
+    """A choice of what to emit."""
 
-    Attributes:
-        functions: their names, without those of arrays and the step of hidden states; none chosen is all.
-        arrays: where C has its array functions: in the header, in one of their own, or nowhere.
-        fixed: whether C has the default parameters only: neither a structure of parameters nor `prepare`.
-    """
-
+    # their names, without those of arrays and the step of hidden states; none chosen is all
     functions: tuple[str, ...] = ()
-    arrays: Arrays = "with"
+    arrays: Arrays = "with"  # where C has its array functions: in the header, in one of their own, or nowhere
+    # whether C has the default parameters only: neither a structure of parameters nor `prepare`
     fixed: bool = False
 
     def of(self, outputs: Sequence[Output]) -> tuple[Output, ...]:
@@ -151,9 +142,6 @@ class Choice:
 
 
 WHOLE = Choice()
-
-
-# Friction in few operations: terms that share a factor, or differ only in direction, become one.
 
 
 @cache
@@ -214,9 +202,6 @@ def _by_direction(parameters: frozenset[sp.Symbol], expression: sp.Expr) -> sp.E
     return sp.Add(*rest, *chosen)
 
 
-# One name, one value: what a routine computes on the way has no name of the model's own quantities.
-
-
 # Arguments and local names of every emitted function in C, and modules that those in Python use.
 _LOCAL = frozenset({"c", "count", "first", "k", "n", "next", "np", "out", "own", "parameters", "state"})
 # Arguments and a local name of `prepare`, where parameters and what follows from them have names.
@@ -258,9 +243,6 @@ def _targets(assignments: Iterable[Assignment]) -> list[str]:
 
 def _repeated(names: Iterable[str]) -> set[str]:
     return {name for name, count in Counter(names).items() if count > 1}
-
-
-# A program under the names of its axis: what is printed of a carriage has positions, masses and forces.
 
 
 def spoken_program(program: Program, axis: AxisKind) -> Program:
@@ -327,7 +309,6 @@ def spoken_program(program: Program, axis: AxisKind) -> Program:
 # A model defines the update of a state over a positive time step. Firmware also passes 0 (the first sample, a
 # repeated time stamp) and negative ones (a counter overflow). Then the states stay unchanged, and nothing in
 # the computation divides by less than the shortest time step.
-
 
 # In seconds: shorter than any loop, and second differences of a current over it do not overflow in float.
 SHORTEST = "1e-9"

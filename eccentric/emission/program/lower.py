@@ -39,8 +39,6 @@ from eccentric.model import Assignment, HalfCosine, HalfSine, Leading, needed, s
 # An angle shifted by a parameter: theta_m and the shift are reduced separately, never added first.
 #
 # Their sum would be rounded to the digits of theta_m, and near its zero F_N depends on those that follow.
-
-
 _Results = Sequence[tuple[str, sp.Expr]]
 
 
@@ -101,8 +99,6 @@ def last_parts(name: str, left: sp.Symbol, prepare: Prepare) -> list[sp.Symbol]:
 # is: its rounding is 2^-64 of the period, in double 2^-119, and up to 1e4 rad no number is close enough to a
 # top for this to matter. If the angle is shifted by a parameter, so is the top; the shift is stored in
 # parts as well.
-
-
 _THETA, _FROM_TOP = sp.symbols("theta_m from_top", real=True)
 
 

@@ -14,12 +14,11 @@ import sympy as sp
 
 from eccentric.model import TURNING, Assignment, AxisKind, Input, OpaqueStep, Quantity, needed
 
+
 # Primitive operations: the elements of lowered expressions, printed one to one by every back end.
 #
 # They keep their arguments unchanged; SymPy neither reorders nor simplifies them. So NumPy and C compute the
 # same bits.
-
-
 class Plus(OpaqueStep):
     """a + b."""
 
@@ -102,29 +101,18 @@ ABSENT = -(2.0**127)
 
 @dataclass(frozen=True)
 class Routine:
-    """One emitted function.
+    """One emitted function."""
 
-    Attributes:
-        name: in NumPy and, behind the model's prefix, in C.
-        inputs: in order.
-        assignments: the hot path, in order of evaluation.
-        results: what is returned.
-        labels: one name per result for a vector result, () for a scalar one.
-        unit: of the result.
-        meaning: one line for the docstring.
-        requires: parameters without a default that are needed where the last input is not zero.
-        formerly: the name of what it took the place of.
-    """
-
-    name: str
-    inputs: tuple[Input, ...]
-    assignments: tuple[Assignment, ...]
-    results: tuple[sp.Symbol, ...]
-    labels: tuple[str, ...]
-    unit: str
-    meaning: str
+    name: str  # in NumPy and, behind the model's prefix, in C
+    inputs: tuple[Input, ...]  # in order
+    assignments: tuple[Assignment, ...]  # the hot path, in order of evaluation
+    results: tuple[sp.Symbol, ...]  # what is returned
+    labels: tuple[str, ...]  # one name per result for a vector result, () for a scalar one
+    unit: str  # of the result
+    meaning: str  # one line for the docstring
+    # parameters without a default that are needed where the last input is not zero
     requires: tuple[str, ...] = ()
-    formerly: str = ""
+    formerly: str = ""  # the name of what it took the place of
 
     @property
     def last_is_optional(self) -> bool:
@@ -156,53 +144,34 @@ class Condition:
 
 @dataclass(frozen=True)
 class Program:
-    """All routines of a model and the parameter-only work they share.
+    """All routines of a model and the parameter-only work they share."""
 
-    Attributes:
-        name: prefix in C, module name in Python.
-        title: one line.
-        parameters: in the order of the struct.
-        prepare: assignments in parameters only, in double precision, run once.
-        coefficients: the targets of `prepare` that the routines use.
-        routines: the emitted functions.
-        constants: names that the module carries, such as the columns of its regressor.
-        notes: description of each coefficient: meaning and unit, or its formula.
-        defaults: origin of the default parameters, in words.
-        cautions: what to know before the code is used.
-        helpers: private functions that the routines call.
-        promises: bounds of the rounding error, one line each.
-        first: the routine to begin with.
-        chosen: whether functions were chosen, and others of the model left out.
-        arrays: where C has its array functions: "with" the others, "beside" them, or "none".
-        fixed: whether C has the default parameters only.
-        axis: what moves.
-        needed_for: parameter -> the function of the model that it is needed for, where it has no default.
-        inertia: parameters without a default that nothing depends on without acceleration.
-        conditions: what parameters have to satisfy beside the sign of each.
-        conditioned: names of the routines that have no single result where a condition fails.
-    """
-
-    name: str
-    title: str
-    parameters: tuple[Quantity, ...]
-    prepare: tuple[Assignment, ...]
-    coefficients: tuple[sp.Symbol, ...]
-    routines: tuple[Routine, ...]
+    name: str  # prefix in C, module name in Python
+    title: str  # one line
+    parameters: tuple[Quantity, ...]  # in the order of the struct
+    prepare: tuple[Assignment, ...]  # assignments in parameters only, in double precision, run once
+    coefficients: tuple[sp.Symbol, ...]  # the targets of `prepare` that the routines use
+    routines: tuple[Routine, ...]  # the emitted functions
+    # names that the module carries, such as the columns of its regressor
     constants: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    # description of each coefficient: meaning and unit, or its formula
     notes: tuple[tuple[str, str], ...] = ()
     states: tuple[tuple[Quantity, sp.Expr], ...] = ()
-    defaults: str = "those of the derivation"
-    cautions: tuple[str, ...] = ()
-    helpers: tuple[Helper, ...] = ()
-    promises: tuple[str, ...] = ()
-    first: str = "mechanical_friction_torque"
-    chosen: bool = False
-    arrays: str = "with"
-    fixed: bool = False
-    axis: AxisKind = TURNING
+    defaults: str = "those of the derivation"  # origin of the default parameters, in words
+    cautions: tuple[str, ...] = ()  # what to know before the code is used
+    helpers: tuple[Helper, ...] = ()  # private functions that the routines call
+    promises: tuple[str, ...] = ()  # bounds of the rounding error, one line each
+    first: str = "mechanical_friction_torque"  # the routine to begin with
+    chosen: bool = False  # whether functions were chosen, and others of the model left out
+    arrays: str = "with"  # where C has its array functions: "with" the others, "beside" them, or "none"
+    fixed: bool = False  # whether C has the default parameters only
+    axis: AxisKind = TURNING  # what moves
+    # parameter -> the function of the model that it is needed for, where it has no default
     needed_for: Mapping[str, str] = field(default_factory=dict)
+    # parameters without a default that nothing depends on without acceleration
     inertia: frozenset[str] = frozenset()
-    conditions: tuple[Condition, ...] = ()
+    conditions: tuple[Condition, ...] = ()  # what parameters have to satisfy beside the sign of each
+    # names of the routines that have no single result where a condition fails
     conditioned: frozenset[str] = frozenset()
 
     def hot(self) -> tuple[Assignment, ...]:
@@ -239,8 +208,6 @@ class Program:
 
 
 # Long assignments split into parts, so that every emitted line is readable (and formatters keep it).
-
-
 _WIDTH = 86  # characters of `target = value` as SymPy spells it, each symbol a little longer in C
 
 
@@ -321,8 +288,6 @@ def _longest_part(value: sp.Expr) -> sp.Expr | None:
 # velocity, the period of the motor angle) are computed this way from the parameters on: near the zero of
 # F_N the leading digits of speed and angle cancel against them, and the rest depends on the digits that
 # follow.
-
-
 def paired(program: Program) -> frozenset[sp.Symbol]:
     """The prepared values computed as pairs.
 

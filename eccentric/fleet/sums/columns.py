@@ -44,14 +44,12 @@ _DRIVES = ("current", "torque", "torque_l", "voltage")
 
 @dataclass(frozen=True)
 class Heading:
-    """A column: the name, unit and kind of its coefficient.
-
-    `kind` of friction: "load" if it depends on a load, else "viscous" or "coulomb", "friction" for other
-    roles.
-    """
+    """A column: the name, unit and kind of its coefficient."""
 
     name: str
     unit: str
+    # of friction: "load" if it depends on a load, else "viscous" or "coulomb", "friction" for other
+    # roles
     kind: Kind
 
     @property
@@ -171,9 +169,6 @@ def _kind(role: Role, load: Load) -> Kind:
     if load is not Load.NONE:
         return "load"
     return {Role.VISCOUS: "viscous", Role.COULOMB: "coulomb"}.get(role, "friction")  # pyright: ignore[reportReturnType]
-
-
-# Sums of a design as QR triangles, which stack: the R of stacked triangles is that of all rows.
 
 
 def dependent(triangle: Array) -> list[int]:

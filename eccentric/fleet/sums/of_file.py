@@ -39,17 +39,15 @@ from eccentric.signals import (
     weights_by_parts,
 )
 
+Array = NDArray[np.float64]
+
+
 # Evenly spaced samples -> means over smooth windows, with mean first and second derivative of the angle.
 #
 # Derivatives are integrated by parts (`weights_by_parts`), so that all terms of a balance J x'' + ... = tau
 # get the same average, and the angle is differentiated within its low pass. Windows are spaced by a quarter
 # of their length, so each sample is in 4 windows: the samples are split into quarters, multiplied by the
 # kernels in one matrix product, and four shifted products add up to the windows.
-
-
-Array = NDArray[np.float64]
-
-
 def share_of(low_pass_hz: float, step_s: float) -> int:
     """Samples between windows: a quarter of the window length for a cut-off [Hz] at a step [s]."""
     return max(LEAST_SHARE, round(WINDOW_PERIODS / low_pass_hz / SHARES / step_s))
@@ -91,9 +89,6 @@ def _kernels(share: int) -> Array:
     return weights_by_parts(place[None], half, (0, 1, 2), degree=3)[:, 0].T
 
 
-# The motion threshold of a file, from the speeds of all its windows, in constant memory.
-
-
 _EDGES = np.exp(np.arange(np.log(1e-9), np.log(1e9), np.log(SPEED_BIN)))
 
 
@@ -126,27 +121,20 @@ class Speeds:
 # Windows are then the same whatever the size of the batches. Unevenly sampled logs are interpolated linearly
 # on an even grid, which begins anew with each batch. Rows that are missing from an even grid are filled in
 # linearly, too, and no window with one of them is used.
-
-
 @dataclass(frozen=True)
 class Piece:
-    """Samples (n,) of one stretch, `step` [s] apart, with `share` samples between windows.
-
-    `drive` is the channel `measured_by`, a link torque converted to the motor; `wanted` masks rows that the
-    rig uses with the motor on. `quantum` [rad] is the encoder step by the rig, else 0. `place` is the first
-    row in the file, of `total`.
-    """
+    """Samples (n,) of one stretch."""
 
     theta: Array
-    drive: Array
+    drive: Array  # the channel `measured_by`, a link torque converted to the motor
     measured_by: str
     temperature: Array | None
-    wanted: NDArray[np.bool_]
-    step: float
-    share: int
-    quantum: float
-    place: int
-    total: int
+    wanted: NDArray[np.bool_]  # masks rows that the rig uses with the motor on
+    step: float  # between samples [s]
+    share: int  # samples between windows
+    quantum: float  # encoder step by the rig, else 0 [rad]
+    place: int  # the first row in the file
+    total: int  # of its rows
 
 
 def pieces(path: Path, rig: Rig, rows: int) -> Iterator[Piece]:
@@ -280,18 +268,14 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Coverage:
-    """Coverage of a file: rows, seconds in motion, their forward fraction, speeds, temperatures.
-
-    `low` and `high` are the speeds of the slowest and fastest window [rad/s, or m/s]; temperatures [deg C],
-    mean and range in motion, are NaN where none is logged.
-    """
+    """Coverage of a file."""
 
     rows: int
-    seconds: float
-    forward: float
-    low: float
-    high: float
-    temperature: float
+    seconds: float  # in motion
+    forward: float  # their forward fraction
+    low: float  # speed of the slowest window [rad/s, or m/s]
+    high: float  # of the fastest
+    temperature: float  # mean in motion [deg C], NaN where none is logged
     coldest: float
     warmest: float
 
@@ -380,7 +364,6 @@ class _Covered:
     repeats: int = 0
 
     def add(self, piece: Piece, moving: Integers, omega: Array) -> None:
-        """Add the moving windows of a piece with their speeds."""
         size = np.abs(omega)
         self.windows += len(moving)
         self.forward += int(np.count_nonzero(omega > 0.0))

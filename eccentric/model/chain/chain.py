@@ -20,24 +20,15 @@ _LONG = 10**18
 
 @dataclass(frozen=True)
 class Link:
-    """A joint in the form of the recursion: its axis is x, y or z of the frame.
+    """A joint in the form of the recursion: its axis is x, y or z of the frame."""
 
-    Attributes:
-        joint: the original joint.
-        axis: 0, 1 or 2 for x, y or z.
-        sign: 1, or -1 if the joint moves along or about the opposite direction.
-        rotation, position: of the frame in that of the parent.
-        moments: of the body in this frame, payload included [kg, kg m, kg m^2].
-        tilt: rotation of this frame in the joint's frame; the identity unless the axis is oblique.
-    """
-
-    joint: Joint
-    axis: int
-    sign: int
-    rotation: sp.ImmutableMatrix
-    position: sp.ImmutableMatrix
-    moments: Moments
-    tilt: sp.ImmutableMatrix
+    joint: Joint  # the original joint
+    axis: int  # 0, 1 or 2 for x, y or z
+    sign: int  # 1, or -1 if the joint moves along or about the opposite direction
+    rotation: sp.ImmutableMatrix  # of the frame in that of the parent
+    position: sp.ImmutableMatrix  # of its origin there
+    moments: Moments  # of the body in this frame, payload included [kg, kg m, kg m^2]
+    tilt: sp.ImmutableMatrix  # of this frame in the joint's frame; the identity unless the axis is oblique
 
 
 class Chain:
@@ -124,9 +115,6 @@ def _short(entry: sp.Expr) -> sp.Expr:
     return exact(float(entry), "entry")
 
 
-# A chain with numbers in place of its symbols: their defaults.
-
-
 def with_numbers(chain: Chain) -> Chain:
     """The chain with every parameter replaced by its default; without parameters, the chain itself.
 
@@ -161,9 +149,6 @@ def _joint(joint: Joint, values: dict[sp.Symbol, Any]) -> Joint:
     place = numeric.placement
     place.position, place.rotation = _numbers(joint.placement, ("position", "rotation"), values)
     return numeric
-
-
-# The identity of an arm: gravity, and the name, placement, gear and rotor of every joint.
 
 
 _ALIKE = 1e-9

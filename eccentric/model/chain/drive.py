@@ -197,9 +197,6 @@ def _coefficients(followed: _Followed, j: int, called: str, *, turns: bool) -> t
     )
 
 
-# A chain as a model: its recursion as definitions, and two balances for every joint.
-
-
 def arm(
     chain: Chain, title: str, equations: Sequence[Equation] = (), found: Recursion | None = None
 ) -> Model:

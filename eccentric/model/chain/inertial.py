@@ -44,7 +44,6 @@ def letters_of(j: int) -> tuple[Quantity, ...]:
 
 
 def _rotor_letter(j: int) -> Quantity:
-    """The inertia of rotor j."""
     return quantity(f"J_m_{j}", "kg m^2", f"inertia of rotor {j}")
 
 
@@ -74,9 +73,6 @@ def with_letters(chain: Chain, name: str, *, rotors: bool = False) -> Chain:
             joints[j].J_m = _rotor_letter(j).symbol
     letters += [_rotor_letter(j) for j in range(len(joints))] if rotors else []
     return Chain(name, joints, bodies, chain.gravity, None, (*chain.parameters, *letters))
-
-
-# A chain with the bodies replaced by identified moments of mass.
 
 
 _NOTHING = 1e-12
@@ -177,8 +173,6 @@ def _require_possible(j: int, moments: Moments) -> None:
 # random motions: a column spanned by earlier ones is omitted, and its parameter added to theirs (base
 # parameters; M. Gautier, "Numerical calculation of the base inertial parameters of robots", J. Robotic
 # Systems 8(4), 1991).
-
-
 _MOTIONS = 8
 """Random motions per parameter: enough for full rank with margin."""
 _SPANNED = 1e-9
@@ -189,19 +183,13 @@ _COUNTED = 1e-9
 
 @dataclass(frozen=True)
 class Inertial:
-    """The inertial regressor of a chain.
+    """The inertial regressor of a chain."""
 
-    Attributes:
-        parameters: those of the columns, in order.
-        sums: of each column, parameter -> factor: the linear combination that is its coefficient.
-        slopes: torque of motor j per parameter, [j][k].
-        definitions: intermediate assignments of the slopes.
-    """
-
-    parameters: tuple[Quantity, ...]
+    parameters: tuple[Quantity, ...]  # those of the columns, in order
+    # of each column, parameter -> factor: the linear combination that is its coefficient
     sums: tuple[Mapping[str, float], ...]
-    slopes: tuple[tuple[sp.Expr, ...], ...]
-    definitions: tuple[Assignment, ...]
+    slopes: tuple[tuple[sp.Expr, ...], ...]  # torque of motor j per parameter, [j][k]
+    definitions: tuple[Assignment, ...]  # intermediate assignments of the slopes
 
     @cached_property
     def words(self) -> tuple[str, ...]:

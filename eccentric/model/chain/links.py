@@ -12,15 +12,9 @@ import sympy as sp
 
 from eccentric.core import InputError, meant
 
-# Numbers and symbols of a chain: exact in SymPy, so that zeros and ones fold away.
-
-
-Value = float | str | sp.Expr
-"""A number (a decimal is exact: 0.1, "0.1" and "1/10" are the same), or an expression in parameters."""
-
 
 def exact(value: Any, what: str) -> sp.Expr:
-    """The value as an exact number, or an expression unchanged.
+    """The value as an exact number (0.1, "0.1" and "1/10" are the same), or an expression unchanged.
 
     Raises:
         InputError: it is neither a finite number nor an expression; `what` names it.
@@ -188,9 +182,6 @@ def _folded(entry: sp.Expr) -> sp.Expr:
             if abs(float(entry) - value) < _ROUNDED:
                 return sp.Integer(value)
     return entry
-
-
-# Bodies: mass, centre of mass and inertia, and the resulting moments of mass.
 
 
 _SLACK = 1e-9

@@ -70,7 +70,6 @@ def _by_letters() -> list[tuple[sp.Expr, sp.Expr]]:
 
 
 def _written(matrix: sp.Matrix) -> sp.ImmutableMatrix:
-    """The functions of time replaced by symbols."""
     for function, letter in _by_letters():
         matrix = matrix.subs(function, letter)
     return sp.ImmutableMatrix(matrix)
@@ -100,16 +99,11 @@ def acceleration() -> sp.ImmutableMatrix:
 
 @dataclass(frozen=True)
 class Turned:
-    """A frame that turns in its carrier by theta_l about one of the carrier's axes.
+    """A frame that turns in its carrier by theta_l about one of the carrier's axes."""
 
-    Attributes:
-        rotation: Q, its axes as columns.
-        velocity: its angular velocity in its own components, in w of the carrier.
-        acceleration: its time derivative, in alpha of the carrier and the frame's velocity (symbols w).
-    """
-
-    rotation: sp.ImmutableMatrix
-    velocity: sp.ImmutableMatrix
+    rotation: sp.ImmutableMatrix  # Q, its axes as columns
+    velocity: sp.ImmutableMatrix  # its angular velocity in its own components, in w of the carrier
+    # its time derivative, in alpha of the carrier and the frame's velocity (symbols w)
     acceleration: sp.ImmutableMatrix
 
 
@@ -139,8 +133,6 @@ def turned(axis: int) -> Turned:
 # A point at rho in the frame of the body is accelerated by a + U rho. The force is the sum of this over the
 # mass, the moment about the origin that of rho x (a + U rho). Both are linear in the moments of mass: m, h
 # (first) and Sigma (second).
-
-
 m = sp.Symbol("m", real=True)
 h, rho = letters("h"), letters("rho")
 Sigma = sp.ImmutableMatrix(
@@ -202,9 +194,6 @@ def rotor(axis: int) -> sp.ImmutableMatrix:
     return sp.ImmutableMatrix(
         beyond.applyfunc(lambda entry: sp.factor(pythagoras(entry, angle)).subs(across, J_m / 2))
     )
-
-
-# The recursion as a list of named scalars: each value is defined once, trivial ones get no name.
 
 
 class Steps:

@@ -48,21 +48,13 @@ class ArmOutputs:
 
 
 class _Declared(NamedTuple):
-    """An output as declared by its method.
-
-    Attributes:
-        unit, meaning: as in `Output`.
-        moves: whether it takes velocities and accelerations in addition to angles.
-        by_torques: whether the motor torques come last, before the time step.
-        by_loads: whether it takes the bearing loads instead of computing them from the motion.
-        on_request: as in `Output`.
-    """
+    """An output as declared by its method; `unit`, `meaning` and `on_request` are those of `Output`."""
 
     unit: str
     meaning: str
-    moves: bool = True
-    by_torques: bool = False
-    by_loads: bool = False
+    moves: bool = True  # whether it takes velocities and accelerations in addition to angles
+    by_torques: bool = False  # whether the motor torques come last, before the time step
+    by_loads: bool = False  # whether it takes the bearing loads instead of computing them from the motion
     on_request: bool = False
 
 
@@ -383,9 +375,6 @@ def _labelled(name: str, values: Iterable[sp.Expr]) -> list[tuple[str, sp.Expr]]
 
 def _expressions(results: _Results, definitions: tuple[Assignment, ...]) -> Expressions:
     return Expressions(tuple((label, _with_held_ratios(e)) for label, e in results), definitions)
-
-
-# Stable steps: sine and cosine of a joint by those of its half angle, as for one joint.
 
 
 def _stable(recursion: Recursion, model: Model, definitions: Iterable[Assignment]) -> tuple[Assignment, ...]:

@@ -20,8 +20,6 @@ from eccentric.model.chain.motion import AXES, Steps, substituted
 from eccentric.model.quantity import Definition, Quantity, quantity
 from eccentric.model.steps import Magnitude
 
-# Outwards: the motion of a body from that of its parent, by the formulas of `motion`.
-
 
 @dataclass(frozen=True)
 class Inputs:
@@ -43,24 +41,15 @@ def motor_inputs(joint: int) -> Inputs:
 
 @dataclass(frozen=True)
 class Moving:
-    """The motion of a body, in the components of its frame.
+    """The motion of a body, in the components of its frame."""
 
-    Attributes:
-        w, alpha: angular velocity and acceleration.
-        a: acceleration of the origin, gravity subtracted.
-        U: a + U rho is the acceleration of a point at rho.
-        turn: rotation by the joint: axes of the frame, as columns, in the joint's frame at angle 0.
-        position: of its origin in the frame of the parent.
-        carried: angular velocity of the parent in the joint's frame at angle 0.
-    """
-
-    w: sp.ImmutableMatrix
-    alpha: sp.ImmutableMatrix
-    a: sp.ImmutableMatrix
-    U: sp.ImmutableMatrix
-    turn: sp.ImmutableMatrix
-    position: sp.ImmutableMatrix
-    carried: sp.ImmutableMatrix
+    w: sp.ImmutableMatrix  # angular velocity
+    alpha: sp.ImmutableMatrix  # angular acceleration
+    a: sp.ImmutableMatrix  # acceleration of the origin, gravity subtracted
+    U: sp.ImmutableMatrix  # a + U rho is the acceleration of a point at rho
+    turn: sp.ImmutableMatrix  # by the joint: axes of the frame, as columns, in the joint's frame at angle 0
+    position: sp.ImmutableMatrix  # of its origin in the frame of the parent
+    carried: sp.ImmutableMatrix  # angular velocity of the parent in the joint's frame at angle 0
 
 
 def outwards(steps: Steps, j: int, link: Link, parent: Moving, inputs: Inputs) -> Moving:
@@ -136,9 +125,6 @@ def _turning(steps: Steps, j: int, w: sp.ImmutableMatrix, alpha: sp.ImmutableMat
     return sp.ImmutableMatrix(3, 3, named)
 
 
-# Bearing loads and transmitted torque of a joint: the loads that friction depends on.
-
-
 @dataclass(frozen=True)
 class Bearing:
     """The loads of one joint.
@@ -148,14 +134,10 @@ class Bearing:
 
     A prismatic joint: its guide carries the force F_N across the axis and the complete moment M_B; the force
     along the axis is transmitted by the drive, so there is no axial load.
-
-    Attributes:
-        loads: magnitudes by kind of load.
-        transmitted: torque [N m] or force [N] by which the joint drives its body, signed.
     """
 
-    loads: Mapping[Load, sp.Expr]
-    transmitted: sp.Expr
+    loads: Mapping[Load, sp.Expr]  # magnitudes by kind of load
+    transmitted: sp.Expr  # torque [N m] or force [N] by which the joint drives its body, signed
 
 
 def bearing(
@@ -200,23 +182,15 @@ def magnitude(components: list[sp.Expr]) -> sp.Expr:
     return norm
 
 
-# Inwards: the force and moment of every joint, by the formulas of `motion`.
-
-
 ZERO = sp.ImmutableMatrix([0, 0, 0])
 
 
 @dataclass(frozen=True)
 class Wrench:
-    """The wrench of a joint on the body that it moves; the load on the joint is the opposite.
+    """The wrench of a joint on the body that it moves; the load on the joint is the opposite."""
 
-    Attributes:
-        force: in the frame of the body [N].
-        moment: about the origin of that frame [N m].
-    """
-
-    force: sp.ImmutableMatrix
-    moment: sp.ImmutableMatrix
+    force: sp.ImmutableMatrix  # in the frame of the body [N]
+    moment: sp.ImmutableMatrix  # about the origin of that frame [N m]
 
 
 def moments_of(steps: Steps, j: int, link: Link) -> dict[sp.Symbol, sp.Expr]:
@@ -375,9 +349,6 @@ def recursion(chain: Chain) -> Recursion:
         for j, (link, parent) in enumerate(zip(links, inner, strict=True))
     )
     return Recursion(chain, inputs, tuple(steps.definitions), tuple(moving), wrenches, bearings, rotors)
-
-
-# The chain at rest: the gravity torques.
 
 
 def at_rest(found: Recursion) -> tuple[tuple[Definition, ...], tuple[sp.Expr, ...]]:

@@ -40,9 +40,6 @@ _STEEPEST = sp.Integer(2**20)
 """Largest elimination factor: the root of the largest ratio of two inertias on the motor side."""
 
 
-# The mass matrix, and values at rest.
-
-
 def mass_matrix(
     recursion: Recursion, definitions: Iterable[Assignment], torques: Iterable[sp.Expr]
 ) -> tuple[tuple[Assignment, ...], Matrix]:
@@ -89,9 +86,6 @@ def still(
             fixed.add(target)
         remaining.append(replace(a, target=target, value=value))
     return tuple(remaining), tuple((label, folded(value)) for label, value in results)
-
-
-# The friction law of one joint: torques times the time step, linear in the final velocity.
 
 
 @dataclass(frozen=True)
@@ -269,9 +263,6 @@ def _at_least(value: sp.Expr) -> sp.Expr:
 
 def _within(value: sp.Expr) -> sp.Expr:
     return Bounded(value, _MOST)
-
-
-# Emitted functions.
 
 
 def _torques(recursion: Recursion) -> list[sp.Symbol]:

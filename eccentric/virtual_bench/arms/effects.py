@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
-from math import exp, hypot, tanh
+from math import exp, tanh
 from typing import cast
 
 import numpy as np
 
 from eccentric.core import InputError
-from eccentric.virtual_bench.arms.plant import SURVEY_S, BenchArm, FrictionLaw, Survey, rms
+from eccentric.virtual_bench.arms.plant import SURVEY_S, BenchArm, FrictionLaw, Survey
 from eccentric.virtual_bench.arms.trajectory import ArmCourse
 from eccentric.virtual_bench.effects import (
     EFFECTS,
@@ -20,14 +20,15 @@ from eccentric.virtual_bench.effects import (
     PlantSetting,
     Request,
     Requested,
+    back_driven,
+    bearing_law,
     check_strength,
+    gear_loss,
     known_family,
     simply,
     with_strengths,
 )
-from eccentric.virtual_bench.plant import Motion, Plant
-
-# The motion of one joint of an arm, for the laws of its effects.
+from eccentric.virtual_bench.plant import Motion, Plant, rms
 
 
 @dataclass(slots=True, eq=False)
@@ -75,16 +76,11 @@ def load_dependent(request: Request) -> PlantedEffect:
 
 def gear_efficiency(request: Request) -> PlantedEffect:
     """Loss proportional to the transmitted torque, smaller or larger when back-driven."""
-    back = request.draw(0.25, 0.5) if request.variant == "easy" else request.draw(1.8, 3.0)
-
-    def dry(s: Motion, a: float) -> float:
-        torque = _transmitted(s)
-        return a * abs(torque) * (1.0 if torque * s.w_mid > 0.0 else back)
-
+    back = back_driven(request)
     return request.effect(
         f"A |mu T| sgn w when driving, {back} A |mu T| sgn w when back-driven",
         request.strength,
-        simply(dry=dry),
+        simply(dry=gear_loss(_transmitted, back)),
         ("transmitted_torque", "direction"),
         (back,),
         bound=0.6,
@@ -115,21 +111,9 @@ def bearing_load(request: Request) -> PlantedEffect:
     The powers are those of a Hertzian point contact, 2/3, and of a deep-groove ball bearing, 1.55 (Palmgren).
     """
     weight = request.plant.M * request.plant.g
-    if request.variant == "preload":
-        force = request.draw(0.5, 1.5) * weight
-        form, shape = "A sqrt(F_N^2 + F_p^2) sgn w", force
-
-        def carried(normal: float) -> float:
-            return hypot(normal, force)
-    else:
-        power = 2.0 / 3.0 if request.variant == "Hertz" else 1.55
-        form, shape = f"A F_0 (F_N/F_0)^{power:.3g} sgn w, F_0 the mean load", power
-
-        def carried(normal: float) -> float:
-            return weight * (normal / weight) ** power
-
+    law, shape, carried = bearing_law(request, weight)
     return request.effect(
-        form,
+        f"A {law} sgn w{'' if request.variant == 'preload' else ', F_0 the mean load'}",
         request.torque() / weight,
         simply(dry=lambda s, a: a * carried(s.normal)),
         ("velocity", "link_angle"),
@@ -151,9 +135,6 @@ ARM_VARIANTS: dict[str, tuple[str, ...]] = {
     "bearing_load": ("Hertz", "Palmgren", "preload"),
 }
 """Variants of a family; one without an entry has none."""
-
-
-# Requests to the bench for arms: families with joints and strengths.
 
 
 STRENGTH = 0.15
@@ -188,26 +169,19 @@ def known_joint_effect(name: str) -> tuple[str, str | None, int | None]:
     return family, variant, int(match[3]) if match and match[3] else None
 
 
-# An effect acting in a joint, in addition to the joint's friction.
-
-
 SMOOTH = 0.003
 """w_0 over a joint's top speed: Coulomb friction is smoothed to tanh(w/w_0)."""
 
 
 @dataclass(frozen=True)
 class JointEffect:
-    """A planted effect, its joint (from 0), and that joint as a single drive.
-
-    Attributes:
-        top_speed: of the motor [rad/s].
-        starts: temperature [deg C] and motor travel [rad] at the start of each run.
-    """
+    """A planted effect, its joint (from 0), and that joint as a single drive."""
 
     joint: int
     effect: PlantedEffect
     plant: Plant
-    top_speed: float
+    top_speed: float  # of the motor [rad/s]
+    # temperature [deg C] and motor travel [rad] at the start of each run
     starts: tuple[tuple[float, float], ...] = ()
 
 

@@ -93,9 +93,6 @@ class BenchArm:
         return np.array([getattr(link, letter) for link in self.links])
 
 
-# Friction of all joints in closed form: a level opposing the motion, and a viscous part.
-
-
 class FrictionLaw:
     """The friction of `JointFriction` on the joint side: both parts over mu, with velocity over mu."""
 
@@ -129,20 +126,14 @@ class FrictionLaw:
 # so that the mass matrix gains J_m/mu e_j . e_k for every joint k before j. The moment is passed to MuJoCo as
 # an external one, and is then part of the loads of the joints nearer to the base. This is cheaper than rotors
 # as separate bodies, whose constraints MuJoCo solves only to a tolerance.
-
-
 @dataclass(frozen=True)
 class JointLoads:
-    """Joint loads in one or several configurations of the arm.
+    """Joint loads in one or several configurations of the arm."""
 
-    Attributes:
-        bearing: (places, 3, joints): F_N [N] across the axis, F_T [N] along it, M_B [N m] across it about
-            the joint's origin.
-        transmitted: (places, joints): torque transmitted to the link, signed [N m].
-    """
-
+    # (places, 3, joints): F_N [N] across the axis, F_T [N] along it, M_B [N m] across it about the
+    # joint's origin
     bearing: np.ndarray
-    transmitted: np.ndarray
+    transmitted: np.ndarray  # (places, joints): torque transmitted to the link, signed [N m]
 
 
 def require_mujoco() -> ModuleType:
@@ -290,9 +281,6 @@ def _text(numbers: tuple[float, ...]) -> str:
     return " ".join(repr(float(x)) for x in numbers)
 
 
-# Loads and torques of an arm along its reference, with perfect tracking.
-
-
 SURVEY_S = 0.02
 """Time between rows of a survey."""
 _AT_ONCE = 64
@@ -301,25 +289,16 @@ _AT_ONCE = 64
 
 @dataclass(frozen=True)
 class Survey:
-    """Rows along the reference of all runs in sequence; joint torques [N m].
+    """Rows along the reference of all runs in sequence; joint torques [N m]."""
 
-    Attributes:
-        q, w, alpha: angles, velocities, accelerations, shape (rows, joints).
-        bearing: F_N, F_T [N], M_B [N m], shape (rows, 3, joints).
-        transmitted: torque transmitted by each gear, (rows, joints).
-        gravity: its part at rest.
-        torque: drive torques without friction, rotors included.
-        inertia: diagonal of the mass matrix [kg m^2], rotors included.
-    """
-
-    q: np.ndarray
-    w: np.ndarray
-    alpha: np.ndarray
-    bearing: np.ndarray
-    transmitted: np.ndarray
-    gravity: np.ndarray
-    torque: np.ndarray
-    inertia: np.ndarray
+    q: np.ndarray  # angles (rows, joints)
+    w: np.ndarray  # velocities (rows, joints)
+    alpha: np.ndarray  # accelerations (rows, joints)
+    bearing: np.ndarray  # F_N, F_T [N], M_B [N m], shape (rows, 3, joints)
+    transmitted: np.ndarray  # torque transmitted by each gear, (rows, joints)
+    gravity: np.ndarray  # its part at rest
+    torque: np.ndarray  # drive torques without friction, rotors included
+    inertia: np.ndarray  # diagonal of the mass matrix [kg m^2], rotors included
 
 
 def survey(arm: BenchArm, course: ArmCourse) -> Survey:
@@ -338,8 +317,3 @@ def survey(arm: BenchArm, course: ArmCourse) -> Survey:
         inertia = np.einsum("kjj->kj", mass)
         parts.append((loads.bearing, loads.transmitted, rigid.gravity_torque(), torque, inertia))
     return Survey(q, w, alpha, *(np.concatenate(part)[: len(q)] for part in zip(*parts, strict=True)))
-
-
-def rms(values: np.ndarray) -> np.ndarray:
-    """Return the root of the mean square over the rows."""
-    return np.sqrt(np.mean(np.square(values), axis=0))

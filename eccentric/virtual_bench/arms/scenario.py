@@ -8,12 +8,10 @@ from math import exp, log, pi
 import numpy as np
 
 from eccentric.virtual_bench.arms.effects import JointEffect, effect_requests, planted
-from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, JointFriction, Survey, Vector, rms, survey
+from eccentric.virtual_bench.arms.plant import BenchArm, BenchLink, JointFriction, Survey, Vector, survey
 from eccentric.virtual_bench.arms.trajectory import ArmCourse, ArmServo, harmonic_course, sweep_course
 from eccentric.virtual_bench.effects import Requested, check_values
-
-# Plausible random arms: two links in a vertical plane, three joints, six joints.
-
+from eccentric.virtual_bench.plant import rms
 
 KINDS = ("2r", "3", "6")
 _RIGHT = pi / 2.0

@@ -33,10 +33,11 @@ from eccentric.virtual_bench.arms.effects import (
     JointEffect,
     corrected,
 )
-from eccentric.virtual_bench.arms.plant import FrictionLaw, JointLoads, RigidArm, rms
+from eccentric.virtual_bench.arms.plant import FrictionLaw, JointLoads, RigidArm
 from eccentric.virtual_bench.arms.scenario import ArmScenario
 from eccentric.virtual_bench.arms.trajectory import ArmCourse, ArmLoop
 from eccentric.virtual_bench.files import LOG, csv_archive, json_bytes, new_paths, write_new
+from eccentric.virtual_bench.plant import rms
 
 Progress = Callable[[float], None]
 """Called with the completed fraction, 0 to 1."""
@@ -46,32 +47,18 @@ _CLOSE = 0.03
 
 @dataclass(frozen=True)
 class ArmTrace:
-    """The true motion, one row per sample, shape (rows, joints) unless stated; motor torques [N m].
+    """The true motion, one row per sample, shape (rows, joints) unless stated; motor torques [N m]."""
 
-    Attributes:
-        run: number of the run, (rows,).
-        t: time [s] from the start of the first run, (rows,).
-        q, w: angles and velocities of the joints.
-        speed: velocities measured by the drives.
-        current: of the motors, without noise [A].
-        friction: of motor and bearing, without effects.
-        bearing: F_N, F_T [N], M_B [N m], (rows, 3, joints).
-        transmitted: torque transmitted by each gear, joint side.
-        effects: torque of each effect, (rows, effects).
-        temperature: of each effect's drive [deg C], (rows, effects).
-    """
-
-    run: np.ndarray
-    t: np.ndarray
-    q: np.ndarray
-    w: np.ndarray
-    speed: np.ndarray
-    current: np.ndarray
-    friction: np.ndarray
-    bearing: np.ndarray
-    transmitted: np.ndarray
-    effects: np.ndarray
-    temperature: np.ndarray
+    run: np.ndarray  # number of the run, (rows,)
+    t: np.ndarray  # time [s] from the start of the first run, (rows,)
+    q: np.ndarray  # angles of the joints
+    w: np.ndarray  # their velocities
+    speed: np.ndarray  # velocities measured by the drives
+    current: np.ndarray  # of the motors, without noise [A]
+    friction: np.ndarray  # of motor and bearing, without effects
+    bearing: np.ndarray  # F_N, F_T [N], M_B [N m], (rows, 3, joints)
+    effects: np.ndarray  # torque of each effect, (rows, effects)
+    temperature: np.ndarray  # of each effect's drive [deg C], (rows, effects)
 
     def moving(self, course: ArmCourse) -> np.ndarray:
         """Rows in motion, by joint."""
@@ -160,7 +147,6 @@ def _all_runs(scenario: ArmScenario, progress: Progress | None) -> ArmTrace:
                     logged,
                     base_friction,
                     loads.bearing,
-                    loads.transmitted,
                     *_effect_rows(acting),
                 )
             )
@@ -226,17 +212,10 @@ def _with_effects(
 
 
 def _effect_rows(acting: list[list[Acting]]) -> tuple[list[list[float]], list[list[float]]]:
-    """Torque and temperature of the effects, by run."""
     return (
         [[one.torque for one in effects] for effects in acting],
         [[one.motion.temperature for one in effects] for effects in acting],
     )
-
-
-# ArmTrace -> the log as recorded by the drives, its rig, the declared arm, and the sealed truth.
-
-
-# Drive temperatures: as simulated for drives with an effect, from the losses for the others.
 
 
 def logs_temperature(effects: Sequence[JointEffect]) -> bool:
@@ -306,7 +285,6 @@ def _log(scenario: ArmScenario, motion: ArmTrace) -> dict[str, np.ndarray]:
 
 
 def _rig(scenario: ArmScenario) -> dict[str, Any]:
-    """Content of the rig file: arm, columns, drives."""
     columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "omega_l": "w_rad_s_{j}"}
     if scenario.measured == "torque":
         drives = {}
@@ -385,9 +363,6 @@ def _beyond(scenario: ArmScenario, recorded: ArmTrace, k: int) -> float:
     base = base[:, size > 1e-9] / size[size > 1e-9]
     coefficients, *_ = np.linalg.lstsq(base, torque, rcond=1e-9)
     return float(rms(torque - base @ coefficients) / rms(recorded.friction[rows, j]))
-
-
-# ArmRun -> LOG.csv.gz, LOG.toml (the rig), LOG.arm.toml and LOG.truth.json (sealed).
 
 
 _BESIDE = (".toml", ".arm.toml", ".truth.json")

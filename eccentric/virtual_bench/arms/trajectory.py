@@ -19,17 +19,13 @@ class ArmCourse:
     [rad], both of shape (runs, joints, 5), faded in over the first second.
     `runs`: constant velocities `size` [rad/s], joined by smooth ramps of `ramp_s` [s] at `start` [s], both
     of shape (runs, joints, parts).
-
-    Attributes:
-        home: mean angles of the motion [rad], shape (joints,).
-        top: approximate peak velocity of each joint [rad/s].
     """
 
     log_type: str
     runs: int
     seconds: float
-    home: np.ndarray
-    top: np.ndarray
+    home: np.ndarray  # mean angles of the motion [rad], shape (joints,)
+    top: np.ndarray  # approximate peak velocity of each joint [rad/s]
     size: np.ndarray
     phase: np.ndarray
     start: np.ndarray
@@ -106,29 +102,19 @@ def sweep_course(
     return ArmCourse("runs", runs, seconds, home, top, size, np.zeros_like(size), start, ramp)
 
 
-# The servo drives of an arm: encoders on the motors, position and velocity loops, motor currents.
-
-
 @dataclass(frozen=True)
 class ArmServo:
     """Measurement and control of the drives, one entry per joint.
 
     A position loop gives the velocity correction to the reference, a PI velocity loop the joint torque. The
     current is that torque times mu/k_i: the current loop is ideal.
-
-    Attributes:
-        counts: encoder counts per motor turn.
-        filter_hz: corner of the velocity filter, one pole.
-        position: gain of the position loop [1/s].
-        velocity: gain of the velocity loop [N m s/rad].
-        integral: integral gain over `velocity` [1/s].
     """
 
-    counts: np.ndarray
-    filter_hz: float
-    position: np.ndarray
-    velocity: np.ndarray
-    integral: np.ndarray
+    counts: np.ndarray  # encoder counts per motor turn
+    filter_hz: float  # corner of the velocity filter, one pole
+    position: np.ndarray  # gain of the position loop [1/s]
+    velocity: np.ndarray  # gain of the velocity loop [N m s/rad]
+    integral: np.ndarray  # integral gain over `velocity` [1/s]
 
 
 class ArmLoop:

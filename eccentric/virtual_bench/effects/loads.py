@@ -1,9 +1,18 @@
 """Effects of the transmitted load, and effects with memory."""
 
 from collections.abc import Callable
-from math import exp, hypot
+from math import exp
 
-from eccentric.virtual_bench.effects.record import Law, PlantedEffect, Request, sign, simply
+from eccentric.virtual_bench.effects.record import (
+    Law,
+    PlantedEffect,
+    Request,
+    back_driven,
+    bearing_law,
+    gear_loss,
+    sign,
+    simply,
+)
 from eccentric.virtual_bench.plant import Motion
 
 # Gear meshing follows the load within about this time; the lag also keeps the step explicit.
@@ -102,21 +111,9 @@ def bearing_load(request: Request) -> PlantedEffect:
         "C2", "bearing_load", "by any of its laws it is a polynomial of the speed in the other"
     )
     weight = (plant.M + plant.M_l) * plant.g
-    if variant == "preload":
-        force = request.draw(0.5, 1.5) * weight
-        form, shape = "A (sqrt(F_N^2 + F_p^2) - F_N) sgn w", force
-
-        def carried(normal: float) -> float:
-            return hypot(normal, force)
-    else:
-        power = 2.0 / 3.0 if variant == "Hertz" else 1.55
-        form, shape = f"A (F_0 (F_N/F_0)^{power:.3g} - F_N) sgn w, F_0 the weight", power
-
-        def carried(normal: float) -> float:
-            return weight * (normal / weight) ** power
-
+    law, shape, carried = bearing_law(request, weight)
     return request.effect(
-        form,
+        f"A ({law} - F_N) sgn w{'' if variant == 'preload' else ', F_0 the weight'}",
         min(request.torque(3.0) / weight, plant.mu * plant.C_lN),
         simply(dry=lambda s, a: a * (carried(s.normal) - s.normal)),
         ("velocity", "link_angle"),
@@ -128,31 +125,16 @@ def bearing_load(request: Request) -> PlantedEffect:
 
 def gear_efficiency(request: Request) -> PlantedEffect:
     """Loss proportional to the load, smaller or larger when back-driven."""
-    back = request.draw(0.25, 0.5) if request.variant == "easy" else request.draw(1.8, 3.0)
-    if request.plant.case == "C2":
-        form, depends = (
-            f"A |G| sgn w when driving, {back} A |G| sgn w when back-driven",
-            ("gravity_load", "direction"),
-        )
-
-        def start() -> dict[str, Law]:
-            return {"dry": lambda s, a: a * abs(s.gravity) * (1.0 if s.gravity * s.w_mid > 0.0 else back)}
-    else:
-        form, depends = (
-            f"A |mu tau_l| sgn w when driving, {back} A |mu tau_l| sgn w when back-driven",
-            ("transmitted_torque", "direction"),
-        )
-
-        def start() -> dict[str, Law]:
-            load = _transmitted()
-
-            def dry(s: Motion, a: float) -> float:
-                torque = load(s)
-                return a * abs(torque) * (1.0 if torque * s.w_mid > 0.0 else back)
-
-            return {"dry": dry}
-
-    return request.effect(form, 1.4 * request.strength, start, depends, (back,), bound=0.6)
+    gravity, back = request.plant.case == "C2", back_driven(request)
+    letter, load = ("G", "gravity_load") if gravity else ("mu tau_l", "transmitted_torque")
+    return request.effect(
+        f"A |{letter}| sgn w when driving, {back} A |{letter}| sgn w when back-driven",
+        1.4 * request.strength,
+        lambda: {"dry": gear_loss((lambda s: s.gravity) if gravity else _transmitted(), back)},
+        (load, "direction"),
+        (back,),
+        bound=0.6,
+    )
 
 
 def backlash(request: Request) -> PlantedEffect:
@@ -199,9 +181,6 @@ def backlash(request: Request) -> PlantedEffect:
         ("history", "direction"),
         bound=bound,
     )
-
-
-# Effects with memory: hidden states.
 
 
 _MICRO_DAMPING_S = 0.01  # sigma_1/sigma_0 of the bristles

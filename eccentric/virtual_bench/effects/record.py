@@ -194,6 +194,30 @@ def known_family(
     return family, variant
 
 
+def bearing_law(request: Request, weight: float) -> tuple[str, float, Callable[[float], float]]:
+    """Return a law of F_N in symbols, its constant, and the law: with a preload across it, else a power."""
+    if request.variant == "preload":
+        force = request.draw(0.5, 1.5) * weight
+        return "sqrt(F_N^2 + F_p^2)", force, lambda normal: hypot(normal, force)
+    power = 2.0 / 3.0 if request.variant == "Hertz" else 1.55
+    return f"F_0 (F_N/F_0)^{power:.3g}", power, lambda normal: weight * (normal / weight) ** power
+
+
+def back_driven(request: Request) -> float:
+    """Draw the loss of a gear when back-driven, over that when driving."""
+    return request.draw(0.25, 0.5) if request.variant == "easy" else request.draw(1.8, 3.0)
+
+
+def gear_loss(load: Callable[[Motion], float], back: float) -> Law:
+    """Return the loss proportional to a load, times `back` when back-driven."""
+
+    def dry(s: Motion, a: float) -> float:
+        torque = load(s)
+        return a * abs(torque) * (1.0 if torque * s.w_mid > 0.0 else back)
+
+    return dry
+
+
 def simply(**ports: Law) -> Callable[[], dict[str, Law]]:
     """`start` of an effect without memory."""
     return lambda: dict(ports)

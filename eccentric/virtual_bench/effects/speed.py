@@ -108,9 +108,6 @@ def sublinear_viscous(request: Request) -> PlantedEffect:
     )
 
 
-# Effects of temperature, and slow effects of time and wear.
-
-
 _KELVIN = 273.15
 
 

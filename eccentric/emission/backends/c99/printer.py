@@ -65,8 +65,6 @@ def language(program: Program, calls: dict[str, str], symbol: Callable[[str], st
 
 
 # The coefficients of the default parameters, computed in mpmath, so that the target need not.
-
-
 NOT_GIVEN = "ECCENTRIC_NOT_GIVEN"
 """What a parameter without a default is until it is set: no NaN, which checkers of C take for an error."""
 LARGEST_SINGLE = mpmath.mpf(2) ** 128
@@ -90,7 +88,8 @@ def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
 
 def decimal(value: mpmath.mpf, single: bool) -> str:
     """A number as a decimal of the working precision; "NAN" if it is none."""
-    return "NAN" if mpmath.isnan(value) else _decimal(value, 9 if single else 17)
+    text = mpmath.nstr(value, 9 if single else 17, min_fixed=-4, max_fixed=6)
+    return "NAN" if mpmath.isnan(value) else number(text)
 
 
 def prepared_values(program: Program, single: bool) -> dict[sp.Symbol, mpmath.mpf]:
@@ -186,14 +185,6 @@ def _round(value: mpmath.mpf, bits: int) -> mpmath.mpf:
         return +value
 
 
-def _decimal(value: mpmath.mpf, digits: int) -> str:
-    text = mpmath.nstr(value, digits, min_fixed=-4, max_fixed=6)
-    return text if any(mark in text for mark in ".en") else f"{text}.0"
-
-
-# Printing of expressions in pairs of doubles: nested calls of the pair functions.
-
-
 def pair_functions(program: Program) -> frozenset[str]:
     """The names of the pair functions that `pair_text` calls for the program."""
     found: set[str] = set()
@@ -246,9 +237,6 @@ def pair_text(e: sp.Expr, pairs: frozenset[sp.Symbol], plain: Language, call: Ca
     if e.is_Pow and e.exp.is_Integer:
         return f"{call('over')}({text(sp.Integer(1))}, {text(1 / e)})"
     return f"{call('exact')}({printed(e, plain)})"
-
-
-# Lines of C, with long ones broken.
 
 
 _WIDTH = 110

@@ -14,28 +14,20 @@ from eccentric.emission.backends.python.dialect import printed
 from eccentric.emission.program import TURN_BITS, Call, Helper, Program, Routine
 from eccentric.model import Assignment, Input
 
+
 # A routine in stages: the angle, what follows from it, the rest.
 #
 # Every operation on a sample waits for the one before it, some 150 cycles in all, and a processor's
 # look-ahead is limited. In stages of a third of the length, on a block of samples, it processes several at
 # once.
-
-
 @dataclass(frozen=True)
 class Staged:
-    """The parts of a routine.
+    """The parts of a routine."""
 
-    Attributes:
-        angles: calls of helpers with an input.
-        bent: calls of helpers with one of `angles`.
-        rest: the remaining part.
-        inputs: those that the rest uses.
-    """
-
-    angles: tuple[Assignment, ...]
-    bent: tuple[Assignment, ...]
-    rest: tuple[Assignment, ...]
-    inputs: tuple[Input, ...]
+    angles: tuple[Assignment, ...]  # calls of helpers with an input
+    bent: tuple[Assignment, ...]  # calls of helpers with one of `angles`
+    rest: tuple[Assignment, ...]  # the remaining part
+    inputs: tuple[Input, ...]  # those that the rest uses
 
 
 def staged(routine: Routine) -> Staged:
@@ -188,7 +180,6 @@ def _calls(program: Program, r: Routine, parts: Staged, coefficients: set[str]) 
 
 
 def _body(program: Program, r: Routine, parts: Staged, coefficients: set[str]) -> list[str]:
-    """The lines of the kernel."""
     vectors = [x for x in r.inputs if x.length is not None]
     used = set().union(*(a.value.free_symbols for a in parts.rest))
     unpack = [

@@ -6,7 +6,7 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.emission.backends.backend import number, splitting, used_series
+from eccentric.emission.backends.backend import SPLITTING, number, used_series
 from eccentric.emission.backends.c99.printer import (
     DOUBLE,
     NOT_GIVEN,
@@ -34,7 +34,7 @@ from eccentric.emission.program import (
     polynomial,
 )
 from eccentric.emission.templates import plain
-from eccentric.model import Assignment, Backward, Forward, Quantity, Sgn
+from eccentric.model import Assignment, Backward, Forward, Leading, Quantity, Sgn
 
 # Written so that NaN in gives NaN out; one comparison per line is one instruction of a vector unit.
 _HELPERS = {
@@ -147,7 +147,7 @@ def view(program: Program, digest: str) -> dict[str, Any]:
             for name in helpers
         ],
         "series": [_series(name) for name in used_series(program)],
-        "leading": splitting(program),
+        "leading": SPLITTING if any(a.value.has(Leading) for a in program.prepare) else None,
         "pairs": pair_functions(program),
         "prepare": prepared_lines(late=False),
         "single_prepare": prepared_lines(late=True),
@@ -219,11 +219,7 @@ def _step(program: Program) -> dict[str, Any]:
 def _macros(program: Program) -> list[tuple[str, str, str]]:
     """(macro, its meaning in single, in double), those that the routines use."""
     expressions = [a.value for a in program.hot()]
-    used = [
-        ("REAL_SQRT(x)", Root, "sqrt"),
-        ("REAL_FABS(x)", Size, "fabs"),
-        ("REAL_EXP(x)", sp.exp, "exp"),
-    ]
+    used = [("REAL_SQRT(x)", Root, "sqrt"), ("REAL_FABS(x)", Size, "fabs"), ("REAL_EXP(x)", sp.exp, "exp")]
     found = [("REAL(x)", "x##f", "x")]
     if any(program.ungiven & e.free_symbols for e in expressions):
         given = f"(((x) == (real){NOT_GIVEN}) ? (real)NAN : (x))"

@@ -37,9 +37,6 @@ from eccentric.emission.program import (
     paired,
 )
 
-# JAX as a dialect of Python, and programs that it differentiates.
-
-
 _NONZERO = sp.Symbol("nonzero")
 
 
@@ -86,7 +83,6 @@ def _smooth(e: sp.Expr) -> sp.Expr:
 
 
 def _pair(e: sp.Expr, pairs: frozenset[sp.Symbol], plain: Language, name: Callable[[str], str]) -> str:
-    """The expression as a formula of pairs."""
     if isinstance(e, sp.Piecewise):
         return choice_of_pairs(e, lambda value: _pair(value, pairs, plain, name), plain)
     inner = {

@@ -22,9 +22,6 @@ from eccentric.emission.backends.python.dialect import (
 from eccentric.emission.backends.python.module import module, series, stepped
 from eccentric.emission.program import COSINE, SINE_RATIO, Program, TurnLeft
 
-# Expressions in pairs of doubles, as formulas of `runtime.Pair`.
-
-
 _SUM, _PRODUCT, _ATOM = range(3)
 
 
@@ -47,7 +44,6 @@ class _Formulas:
         self._pairs, self._plain, self._name = pairs, plain, name
 
     def pair(self, e: sp.Expr) -> tuple[str, int]:
-        """The expression as a Pair."""
         text, level, is_pair = self._term(e)
         return (text, level) if is_pair else (f"runtime.Pair({text})", _ATOM)
 
@@ -86,9 +82,6 @@ class _Formulas:
     @staticmethod
     def _held(text: str, own: int, level: int) -> str:
         return text if own >= level else f"({text})"
-
-
-# NumPy as a dialect of Python.
 
 
 def _broken(line: str) -> list[str]:

@@ -27,9 +27,6 @@ from eccentric.emission.program import (
 )
 from eccentric.model import steps
 
-# Printing: a lowered expression in Python or C, operation by operation, in the same order for both.
-
-
 _CHOICE, _SUM, _PRODUCT, _ATOM = 0, 1, 2, 3
 
 
@@ -46,23 +43,15 @@ class UnprintableError(InputError):
 
 @dataclass(frozen=True)
 class Language:
-    """What differs between the back ends.
+    """What differs between the back ends."""
 
-    Attributes:
-        symbol: spelling of a symbol.
-        low: spelling of the low part of a pair.
-        number: spelling of a decimal number.
-        calls: operation -> its spelling, with {0}, {1} for its arguments; others cannot be printed.
-        pick: a choice by sample, from condition and both values.
-        choice: a choice by parameters, likewise.
-    """
-
-    symbol: Callable[[str], str]
-    low: Callable[[str], str]
-    number: Callable[[str], str]
+    symbol: Callable[[str], str]  # spelling of a symbol
+    low: Callable[[str], str]  # spelling of the low part of a pair
+    number: Callable[[str], str]  # spelling of a decimal number
+    # operation -> its spelling, with {0}, {1} for its arguments; others cannot be printed
     calls: Mapping[str, str]
-    pick: str
-    choice: str
+    pick: str  # a choice by sample, from condition and both values
+    choice: str  # a choice by parameters, likewise
 
     def call(self, name: str, *arguments: str) -> str:
         """A named operation with printed arguments; KeyError if the language lacks it."""
@@ -259,8 +248,6 @@ ON_PARAMETERS = {
 
 
 # Lines that are not too long: a formula is broken before an operator that is in no bracket.
-
-
 WIDTH = 106  # behind the indentation of a function
 
 

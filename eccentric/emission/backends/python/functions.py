@@ -18,8 +18,6 @@ from eccentric.model import Assignment
 #
 # This works on printed lines. Two are equivalent if they do the same operations in the same order on
 # equivalent operands; names may differ from routine to routine.
-
-
 _HEAD = 5  # lines of a function besides its body
 _NAMELESS = re.compile(r"part_|result")
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
@@ -36,21 +34,13 @@ class Line:
 
 @dataclass(frozen=True)
 class CodeBody:
-    """A function.
+    """A function."""
 
-    Attributes:
-        name: of the routine, or of a shared function.
-        inputs: names.
-        lines: in order.
-        results: names of the returned values.
-        callers: how many functions call it, if it is shared.
-    """
-
-    name: str
-    inputs: tuple[str, ...]
-    lines: tuple[Line, ...]
-    results: tuple[str, ...]
-    callers: int = 0
+    name: str  # of the routine, or of a shared function
+    inputs: tuple[str, ...]  # names
+    lines: tuple[Line, ...]  # in order
+    results: tuple[str, ...]  # names of the returned values
+    callers: int = 0  # how many functions call it, if it is shared
 
 
 def with_shared(bodies: Sequence[CodeBody], taken: Collection[str]) -> tuple[list[CodeBody], list[CodeBody]]:
@@ -185,8 +175,6 @@ def _named(body: CodeBody, keys: Sequence[str]) -> list[tuple[str, str]]:
 # Formulas reassembled: a part of a formula that is used once is written where it is used.
 #
 # The parts were split for lines of C. Brackets keep the order of operations, and with it every bit.
-
-
 _WIDTH = 102  # of `target = text`
 _CHOICE, _SUM, _PRODUCT, _ATOM = range(4)
 _PART = re.compile(r"part_\d+")
@@ -250,10 +238,7 @@ def functions(program: Program, dialect: Dialect) -> dict[str, list[dict[str, An
         "shared": [_shared(body) for body in shared],
         "routines": [
             _routine(
-                r,
-                b,
-                nan_without(program, r) if dialect.guarded else (),
-                steps=r.name in program.conditioned,
+                r, b, nan_without(program, r) if dialect.guarded else (), steps=r.name in program.conditioned
             )
             for r, b in zip(program.routines, bodies, strict=True)
         ],

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from eccentric.emission.backends.backend import default_text
+import sympy as sp
+
 from eccentric.emission.backends.python.dialect import Dialect, printed
 from eccentric.emission.backends.python.functions import functions, quoted
 from eccentric.emission.program import Program, Routine, paired, polynomial
 from eccentric.model import Assignment, Quantity
-
-# `_prepare` of a module: values that depend on parameters only, as lines of Python.
 
 
 def prepare(program: Program, dialect: Dialect) -> list[str]:
@@ -114,7 +113,7 @@ def _parameter(q: Quantity, program: Program) -> dict[str, Any]:
         "name": q.name,
         "type": "float | None" if optional else "float",
         "domain": q.domain,
-        "default": "None" if optional else default_text(q),
+        "default": "None" if optional else repr(float(sp.Rational(q.default))),
         "unit": q.unit,
         "doc": f"{q.meaning} [{q.unit}]{equation}{note}",
     }
