@@ -439,7 +439,7 @@ class Search:
         }
         if own.candidate.family in again:
             again |= {family for family, (_, fitted) in rivals.items() if self._alike(fitted, own)}
-        return {family: rivals[family] for family in again} or rivals
+        return {family: rival for family, rival in rivals.items() if family in again} or rivals
 
 
 def aliased(one: Candidate, other: Candidate) -> bool:
