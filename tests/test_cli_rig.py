@@ -45,16 +45,17 @@ def test_a_file_that_is_there_is_not_replaced(tmp_path: Path, capsys: pytest.Cap
 def test_the_doctor_names_versions_and_what_is_missing(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Without a package its extra is named; without one of the core the status is 1."""
+    """A missing package is named with its extra; without one of the core the status is 1."""
     from eccentric.cli import doctor
 
-    there = doctor._version
-    monkeypatch.setattr(doctor, "_version", lambda p: None if p in {"asammdf", "scipy"} else there(p))
+    absent = {"asammdf", "scipy", "fmpy"}
+    monkeypatch.setattr(doctor, "_version", lambda p: None if p in absent else "1.0")
 
     assert 1 == cli.main(["doctor"])
     said = capsys.readouterr().out
     assert "scipy MISSING" in said
-    assert 'missing: pip install "eccentric[mdf]"' in said
+    assert ': asammdf missing: pip install "eccentric[mdf]"' in said
+    assert ': mujoco-core 1.0, fmpy missing: pip install "eccentric[exports]"' in said
     assert f"Python {sys.version_info.major}.{sys.version_info.minor}" in said
 
 

@@ -29,7 +29,7 @@ _EXTRAS = {
     "report": (("matplotlib", "bokeh"), "figures in the report of a diagnosis"),
     "arms": (("yourdfpy",), "arms by URDF"),
     "arms-bench": (("mujoco-core",), "the virtual bench of an arm"),
-    "exports": (("mujoco-core", "fmpy"), "running what export writes"),
+    "exports": (("mujoco-core", "fmpy"), "running exports (mujoco-core: mjcf, budget, urdf; fmpy: fmu)"),
     "fleet": (("dask", "distributed", "pyarrow"), "the logs of a fleet"),
     **{t.extra: (t.packages, f"the {t.meaning}") for t in TARGETS.values() if t.extra},
     "completion": (("argcomplete",), "completion in the shell"),
@@ -63,12 +63,11 @@ def run(args: argparse.Namespace) -> int:
     width = max(map(len, extras))
     for extra, (packages, purpose) in extras.items():
         found = {package: _version(package) for package in packages}
-        said = (
-            ", ".join(f"{package} {number}" for package, number in found.items())
-            if all(found.values())
-            else coloured(f'missing: pip install "eccentric[{extra}]"', "warning")
-        )
-        print(f"{extra:{width}}  {purpose}: {said}")
+        said = [f"{package} {number}" for package, number in found.items() if number]
+        if absent := [package for package, number in found.items() if not number]:
+            fix = f'{" and ".join(absent)} missing: pip install "eccentric[{extra}]"'
+            said.append(coloured(fix, "warning"))
+        print(f"{extra:{width}}  {purpose}: {', '.join(said)}")
     return 1 if missing else 0
 
 
