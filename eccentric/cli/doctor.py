@@ -18,7 +18,7 @@ from eccentric.core import TARGETS, InputError
 from eccentric.version import __version__
 
 NAME = "doctor"
-HELP = "show what is installed and how to install what is missing; given files, what kind of log each one is"
+HELP = "show what is installed and how to install what is missing; given files, how each is read as a log"
 EXAMPLE = """eccentric doctor
 eccentric doctor my_log.csv"""
 
@@ -43,7 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="*",
-        help="files of any kind, to see how they are read as logs",
+        help="logs to describe: format, columns and sampling rate",
     )
 
 

@@ -156,7 +156,7 @@ def turns_asked(t: Array, breaks: NDArray[np.bool_], given: Shown) -> list[RigLi
         way = np.abs(column.values[1:] * steps)[inside]
         low, middle, high = np.quantile(way, [0.1, 0.5, 0.9])
         of_turns = high - low <= limits.ONE_TURN * middle
-    why = f"{column.text} goes with uneven steps of time as turns do: is each row the time of one turn?"
+    why = f"{column.text} and the uneven time steps look like turns: is each row the time of one turn?"
     return [RigLine("", "events", '"revolution"', why, asked=True)] if of_turns else []
 
 
@@ -201,7 +201,7 @@ def line_asked(grid: Grid, given: Shown, unit: str, drive: LoggedColumn | None) 
     return [RigLine("", "angle", '"line"', why, asked=True)]
 
 
-ONE_WAY = "one direction only: Coulomb friction and a constant load are one and the same there"
+ONE_WAY = "one direction only: Coulomb friction and a constant load look the same there"
 
 
 def one_way(motion: Moved) -> bool:
