@@ -25,7 +25,8 @@ def test_a_draft_is_written_and_what_it_lacks_is_listed(
 
     assert 0 == cli.main(["rig", LOG, "--out", str(out)])
     assert (
-        "still to fill in: M, L, M_l; to diagnose also R, k_e; better also: k_i\n" in capsys.readouterr().out
+        "still to fill in: M, L, M_l; to diagnose, also R, k_e; preferably also k_i\n"
+        in capsys.readouterr().out
     )
     assert "theta_m_rad" == tomllib.loads(out.read_text(encoding="utf-8"))["columns"]["theta_m"]
     assert 1 == cli.main(["rig", LOG, "--check", str(out)])

@@ -99,8 +99,8 @@ class RigDraft(ResultBase):
         ]
         rows += [f"  left out: {columns}, {why}" for columns, why in folded(self.left_out)]
         rows += [f"check: {doubt}" for doubt in self.doubts]
-        more = f"; to diagnose also {', '.join(self.needed_to_diagnose)}" if self.needed_to_diagnose else ""
-        more += f"; better also: {', '.join(self.ranged)}" if self.ranged else ""
+        more = f"; to diagnose, also {', '.join(self.needed_to_diagnose)}" if self.needed_to_diagnose else ""
+        more += f"; preferably also {', '.join(self.ranged)}" if self.ranged else ""
         return "\n".join([*rows, f"still to fill in: {', '.join(self.needed) or 'nothing'}{more}"])
 
     def table(self) -> ResultTable:

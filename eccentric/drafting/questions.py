@@ -47,7 +47,7 @@ def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[Rig
         doubt = SHORT if by_gravity and balance is not None and balance.turns < 1.0 else ""
         return [RigLine("", key, f"{best.counts:g}", why, doubt, guessed=bool(doubt))]
     if best.speed == "counts/s" and best.counts:
-        why = next(w for w in best.why["speed"] if "a turn has" in w)
+        why = next(w for w in best.why["speed"] if "counts per turn" in w)
         return [RigLine("", key, f"{best.counts:g}", why)]
     if given.step:
         unit = parse_unit(best.angle, "").factor
@@ -94,8 +94,8 @@ def _known(
         entries.append(computed_by(drives, known_asked("k_i", "0.05 N m/A", why, needed=True)))
     elif "current" in kinds:
         why = (
-            "the torque constant, which gravity identifies; better the data sheet's, under [known] in place"
-            " of this line: without it, gear losses may be a wrong constant"
+            "the torque constant, identified through gravity; the data sheet's value, under [known] instead of"
+            " this line, is better: without it, gear losses cannot be told from a wrong constant"
         )
         entries.append(RigLine("unknown", "k_i", '["0.001 N m/A", "20 N m/A"]', why))
     if "voltage" in kinds:

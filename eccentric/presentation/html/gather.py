@@ -315,8 +315,8 @@ def _simulated(found: Diagnosis, simulated: SimulatedErrors | None) -> Iterator[
             f"simulated {axis.term('motor angle')} over {horizon:g} s",
             axis.unit("rad"),
             shown,
-            note="Mean absolute error of the motion simulated from the log's drive signal, starting from the"
-            f" measured state of {windows}.",
+            note="Mean absolute error of the motion simulated from the log's drive signal, in"
+            f" {windows} that start from the measured state.",
             own_scale=True,
         )
 
