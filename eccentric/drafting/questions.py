@@ -94,8 +94,8 @@ def _known(
         entries.append(computed_by(drives, known_asked("k_i", "0.05 N m/A", why, needed=True)))
     elif "current" in kinds:
         why = (
-            "the torque constant, identified through gravity; the data sheet's value, under [known] instead of"
-            " this line, is better: without it, gear losses cannot be told from a wrong constant"
+            "the torque constant, identified through gravity; the data sheet's value, under [known] instead"
+            " of this line, is better: without it, gear losses cannot be told from a wrong constant"
         )
         entries.append(RigLine("unknown", "k_i", '["0.001 N m/A", "20 N m/A"]', why))
     if "voltage" in kinds:

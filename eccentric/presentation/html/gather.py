@@ -316,7 +316,7 @@ def _simulated(found: Diagnosis, simulated: SimulatedErrors | None) -> Iterator[
             axis.unit("rad"),
             shown,
             note="Mean absolute error of the motion simulated from the log's drive signal, in"
-            f" {windows} that start from the measured state.",
+            f" {windows} started from the measured state.",
             own_scale=True,
         )
 
