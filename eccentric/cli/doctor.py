@@ -27,12 +27,12 @@ _BROWSERS = ("firefox", "chromium", "chromium-browser", "google-chrome", "micros
 _EXTRAS = {
     "figures": (("matplotlib",), "figures of a fit and of the paper"),
     "report": (("matplotlib", "bokeh"), "figures in the report of a diagnosis"),
-    "arms": (("yourdfpy",), "arms by URDF"),
-    "arms-bench": (("mujoco-core",), "the virtual bench of an arm"),
+    "arms": (("yourdfpy",), "arms in URDF files"),
+    "arms-bench": (("mujoco-core",), "the virtual bench for arms"),
     "exports": (("mujoco-core", "fmpy"), "running exports (mujoco-core: mjcf, budget, urdf; fmpy: fmu)"),
     "fleet": (("dask", "distributed", "pyarrow"), "the logs of a fleet"),
     **{t.extra: (t.packages, f"the {t.meaning}") for t in TARGETS.values() if t.extra},
-    "completion": (("argcomplete",), "completion in the shell"),
+    "completion": (("argcomplete",), "shell completion"),
 }
 """Extra of `pyproject.toml` other than those of log formats: its packages, and what it is for."""
 
