@@ -47,7 +47,7 @@ def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[Rig
         doubt = SHORT if by_gravity and balance is not None and balance.turns < 1.0 else ""
         return [RigLine("", key, f"{best.counts:g}", why, doubt, guessed=bool(doubt))]
     if best.speed == "counts/s" and best.counts:
-        why = next(w for w in best.why["speed"] if "counts per turn" in w)
+        why = next(w for w in best.why["speed"] if "per turn" in w)
         return [RigLine("", key, f"{best.counts:g}", why)]
     if given.step:
         unit = parse_unit(best.angle, "").factor

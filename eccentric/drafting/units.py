@@ -451,7 +451,7 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
     if told and speed == "counts/s" and angle != "counts" and given.factor and unit:
         turn = TURN * abs(given.factor) / (unit * later)
         counts = nice_counts(turn, limits.SAME_COUNTS) or turn
-        why["speed"] += (f"the slope of the angle gives {turn:.6g} counts per turn",)
+        why["speed"] += (f"{turn:.6g} counts per turn by the slope of the angle",)
     of_count = TURN / counts if counts else unit
     per = of_count if speed == "counts/s" else _factor(speed, _SPEEDS)
     ratio = 1.0
@@ -505,7 +505,7 @@ def _counts(given: Shown, speed: str, later: float) -> tuple[float, bool, tuple[
     if given.factor and (per := _factor(speed, _SPEEDS)):
         turn = TURN * later / (abs(given.factor) * per)
         found = nice_counts(turn, limits.FACTOR) or turn
-        return found, False, (f"the logged speed gives {turn:.6g} counts per turn",)
+        return found, False, (f"{turn:.6g} counts per turn by the logged speed",)
     if given.period:
         # A turn of the link is counts times gear: a usual encoder behind the smallest whole gear.
         gears = range(1, limits.MOST_TURNS)
