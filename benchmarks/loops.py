@@ -445,10 +445,10 @@ def _details(
     lines = [
         f"{d.n} drives; the true friction is above gain times the model's at every identified state in"
         f" {int(d.premise.sum())} of them; gain {np.median(d.gain):.3f} (median).",
-        "Limit cycles: drives that swing, in the last 2 s of a hold, by over two counts more than without"
-        " compensation; in brackets, those whose true friction does not exceed the compensated one. Chatter: rms change of the torque"
-        " from one sample to the next during that time, relative to the Coulomb level. Then the rms tracking error"
-        " in mrad. Chatter and errors are medians.",
+        "Limit cycles: the number of drives that, in the last 2 s of a hold, swing by over two counts more than"
+        " without compensation (in brackets, those whose true friction does not exceed the compensation). Chatter: the"
+        " rms change of the torque from one sample to the next during that time, relative to the Coulomb level. The"
+        " other columns are rms tracking errors in mrad. Chatter and errors are medians.",
         "",
     ]
     for title, table in (
@@ -464,21 +464,21 @@ def _details(
             )
         lines.append("")
     creeping = [
-        f"{r.name}{where}: {int((r.cycles & r.one_way).sum())} of {int(r.cycles.sum())}"
-        for table, where in ((rows, ", with integral action"), (others, ", without"))
+        f"{int((r.cycles & r.one_way).sum())} of {int(r.cycles.sum())} {where} ({r.name})"
+        for table, where in ((rows, "with integral action"), (others, "without"))
         for r in table
         if r.name in (OURS, PUSHED) and r.cycles.any()
     ]
     if creeping:
         lines += [
-            "Limit cycles that are only a creep towards the reference, in one direction: "
-            + "; ".join(creeping)
+            "Some limit cycles are only a creep towards the reference, in one direction: "
+            + ", ".join(creeping)
             + ".",
             "",
         ]
     lines += [
-        "Torque mode: a drive released at 5 rad/s, with the friction of the model divided by 1.1; drives that"
-        " speed up:",
+        "Torque mode: a drive is released at 5 rad/s, with the friction of the model divided by 1.1. Number of"
+        " drives that speed up:",
         "",
         *(f"- {name}: {int((~(x <= 1.0)).sum())}" for name, x in zip(free, let_go, strict=True)),
     ]

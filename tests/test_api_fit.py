@@ -415,7 +415,7 @@ def test_a_stretch_of_blank_cells_is_told_before_the_gap_that_it_leaves(
         in dropped
     )
     assert gap.endswith(
-        "1 gap in time, 0.002 of the log, the longest of 0.12 s after 27.996 s: no filter crosses them"
+        "1 gap in time, 0.002 of the log, the longest 0.12 s after 27.996 s: sections are filtered separately"
     )
 
 

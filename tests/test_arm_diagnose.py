@@ -198,7 +198,7 @@ def test_an_arm_that_would_be_wrong_is_not_emitted(tmp_path: Path) -> None:
     found = eccentric.diagnose_arm(log, rig | {"joints": {"inertial": "open"}}, only=["stribeck"])
 
     assert {} == found.emitted()
-    why = "friction has no scale in N m in joints 1, 2: give k_i in the [drives] of the rig"
+    why = "friction has no scale in N m in joints 1, 2: give k_i under [drives] in the rig file"
     assert f"the arm as a whole is not emitted: {why}" in found.lines
     assert not [path for path in found.write(tmp_path / "out") if path.name.startswith("planar_fitted")]
 
@@ -227,8 +227,8 @@ def test_a_diagnosis_is_no_fit(stribeck: ArmDiagnosisResult, tmp_path: Path) -> 
     """One line says what to emit instead, of the arm and of a joint."""
     (tmp_path / "planar.toml").write_text(ARM, encoding="utf-8")
     for document, instead in (
-        (stribeck.document, "emit the model.py of a joint, joint_NUMBER/model.py beside it"),
-        (stribeck.joint(2).document, "emit the model.py beside it, which has its values"),
+        (stribeck.document, "emit the model.py of a joint, joint_NUMBER/model.py next to it"),
+        (stribeck.joint(2).document, "emit the model.py next to it, which has its values"),
     ):
         given = tmp_path / "diagnosis.json"
         given.write_text(json.dumps(document), encoding="utf-8")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import functools
+import math
 import re
 import tomllib
 from collections.abc import Mapping
@@ -121,6 +122,26 @@ def test_the_check_lists_what_the_log_contradicts() -> None:
     assert () == found.estimated
 
 
+def test_an_encoder_that_is_no_number_is_the_only_complaint() -> None:
+    """Columns in its counts can be read, but their scale says nothing about the other values."""
+    log, rig = bench("C2")
+    encoder = {**log.columns, "theta_m_rad": log.numbers("theta_m_rad") / math.tau * 8192}
+    columns = {
+        "time": "time_s",
+        "theta_m": {"column": "theta_m_rad", "unit": "counts"},
+        "omega_m": "omega_m_rad_s",
+        "current": "current_A",
+    }
+    checked = {
+        number: eccentric.check_rig(
+            Log(log.path, encoder, log.rows), {**rig, "columns": columns, "encoder_counts_per_rev": number}
+        ).complaints
+        for number in (8192, "8192")
+    }
+
+    assert {8192: (), "8192": ("rig: encoder_counts_per_rev: expected a number, got '8192'",)} == checked
+
+
 MISTYPED = """
 k_i = "1 Nm/A"
 [columns]
@@ -165,6 +186,7 @@ def test_a_decimal_comma_of_a_bare_number_is_named_with_its_line(tmp_path: Path)
         ("M = 0.5 kg", 'expected a value with its unit in quotes, M = "0.5 kg"'),
         ("J = 1.2e-4 kg m^2  # the rotor", 'expected a value with its unit in quotes, J = "1.2e-4 kg m^2"'),
         ("k_i = .05N m/A", 'expected a value with its unit in quotes, k_i = ".05N m/A"'),
+        ("mu_m = 1/10  # gear", 'expected a ratio in quotes, mu_m = "1/10"'),
         ("case = C2", 'expected a text in quotes, case = "C2"'),
         ("motor_off = True", "expected true or false in small letters, motor_off = true"),
     ],

@@ -25,7 +25,8 @@ def test_a_draft_is_written_and_what_it_lacks_is_listed(
 
     assert 0 == cli.main(["rig", LOG, "--out", str(out)])
     assert (
-        "still to fill in: M, L, M_l; to diagnose also R, k_e; better also: k_i\n" in capsys.readouterr().out
+        "still to fill in: M, L, M_l; to diagnose, also R, k_e; preferably also k_i\n"
+        in capsys.readouterr().out
     )
     assert "theta_m_rad" == tomllib.loads(out.read_text(encoding="utf-8"))["columns"]["theta_m"]
     assert 1 == cli.main(["rig", LOG, "--check", str(out)])
@@ -45,16 +46,17 @@ def test_a_file_that_is_there_is_not_replaced(tmp_path: Path, capsys: pytest.Cap
 def test_the_doctor_names_versions_and_what_is_missing(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Without a package its extra is named; without one of the core the status is 1."""
+    """A missing package is named with its extra; without one of the core the status is 1."""
     from eccentric.cli import doctor
 
-    there = doctor._version
-    monkeypatch.setattr(doctor, "_version", lambda p: None if p in {"asammdf", "scipy"} else there(p))
+    absent = {"asammdf", "scipy", "fmpy"}
+    monkeypatch.setattr(doctor, "_version", lambda p: None if p in absent else "1.0")
 
     assert 1 == cli.main(["doctor"])
     said = capsys.readouterr().out
     assert "scipy MISSING" in said
-    assert 'missing: pip install "eccentric[mdf]"' in said
+    assert ': asammdf missing: pip install "eccentric[mdf]"' in said
+    assert ': mujoco-core 1.0, fmpy missing: pip install "eccentric[exports]"' in said
     assert f"Python {sys.version_info.major}.{sys.version_info.minor}" in said
 
 

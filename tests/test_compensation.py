@@ -484,8 +484,8 @@ def test_without_a_fit_the_command_says_how_to_get_one(
     """Also for the model of a diagnosis, which has no fit.json."""
     assert 0 == main(["emit", "c1_perpendicular", "--compensation", "--out", str(tmp_path / "out")])
     assert capsys.readouterr().out.endswith(
-        "from a fit's own errors: eccentric fit LOG --rig RIG --model c1_perpendicular --out FIT,"
-        " then --parameters FIT/fit.json\n"
+        "to compute it from the errors of a fit: eccentric fit LOG --rig RIG --model c1_perpendicular"
+        " --out FIT, then --parameters FIT/fit.json\n"
     )
 
 

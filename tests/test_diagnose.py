@@ -257,7 +257,7 @@ def test_a_load_is_that_of_the_friction_beside_the_effect() -> None:
     assert ["load_dependent[transmitted]"] == [a.variant.candidate.id for a in found.attribution.adopted]
     assert "named" == found.attribution.verdict
     assert planted["amplitude"] == pytest.approx(found.models.extended.values["load_eta"], rel=0.02)
-    assert "the same with the friction that was found beside it" in said
+    assert "the same with the friction that was found" in said
 
 
 # Current offsets with an open zero angle: the friction under F_N moves with the zero.

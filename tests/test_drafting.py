@@ -330,7 +330,7 @@ mu = "1:5"
 WRONG = (
     "drive: expected one of current, voltage, torque, none, got 'curent'; did you mean 'current'?",
     "unknown key 'low_pas_hz'; did you mean 'low_pass_hz'?",
-    "unit 'rmp' is unknown",
+    "unknown unit 'rmp'",
     "[known] M: expected a unit",
     "[known] L: expected a value at least 0 m",
     "[known] mu: expected a ratio with '/'",

@@ -118,7 +118,7 @@ def test_a_bare_motor_has_no_pendulum() -> None:
     ("values", "mend"),
     [
         ({"J_m": 1e-4}, "give it with --parameters"),
-        ({"J_m": 1e-4, "J_l": 0.0}, "declare it in the rig and fit again"),
+        ({"J_m": 1e-4, "J_l": 0.0}, "declare it in the rig file and fit again"),
     ],
 )
 def test_what_mends_a_missing_inertia(values: dict[str, float], mend: str) -> None:

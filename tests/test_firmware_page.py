@@ -33,6 +33,7 @@ def shell(command: str, folder: Path) -> str:
 def test_commands_of_the_page(tmp_path: Path, block: str) -> None:
     """From the root of the clone each block runs; the self-test says that it holds."""
     shutil.copytree(ROOT / "generated", tmp_path / "generated")
+    (tmp_path / "build").mkdir()
 
     said = shell(block, tmp_path)
 

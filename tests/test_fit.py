@@ -394,7 +394,7 @@ def test_a_contradiction_comes_before_what_cannot_be_fitted() -> None:
     doubt: Any = SimpleNamespace(text="the current is a thousand times too large", doubts_the_rig=True)
     with pytest.raises(InputError) as error, with_doubts([doubt]):
         raise InputError("rig.toml", problem="B, C cannot be separated")
-    assert str(error.value) == f"rig.toml: {doubt.text}; as the rig is, B, C cannot be separated"
+    assert str(error.value) == f"rig.toml: {doubt.text}; with this rig file: B, C cannot be separated"
 
 
 @pytest.mark.parametrize(

@@ -168,13 +168,17 @@ HEADLESS = {
 }
 
 
+DELIMITERS = {"blanks": "blanks", "decimal commas": "semicolon", "below settings": "tab"}
+
+
 @pytest.mark.parametrize("name", HEADLESS)
 def test_a_table_without_a_header_has_numbered_columns(name: str, read: Callable[[str], Log]) -> None:
-    """All of its rows are values, and one note says how the columns are called; so in batches."""
+    """All of its rows are values; notes give the names, the delimiter and the decimal sign; so in batches."""
     log = read(HEADLESS[name])
 
     assert COLUMNS == {column: log.numbers(column).tolist() for column in log.columns}
-    assert (NUMBERED,) == log.read_as
+    sign = "comma" if name == "decimal commas" else "point"
+    assert (NUMBERED, f"delimiter: {DELIMITERS.get(name, 'comma')}; decimal {sign}") == log.read_as
     assert list(COLUMNS) == list(stream_log(log.path).read().columns)
 
 

@@ -210,7 +210,7 @@ BAD_BELOW = {
     "L_m = [1]": "L_m: expected a number, got [1]",
     "k_e = 0.2": 'expected a text with a unit, as in k_e = "0.1 V s/rad", got 0.2',
     'k_e = "0.2 V"': "k_e: expected a unit like",
-    'k_e = "0.2 V s/furlong"': "is unknown at 'furlong'",
+    'k_e = "0.2 V s/furlong"': "unknown unit 'furlong' in 'V s/furlong'",
     "M_g = 500": "[known]: unknown key 'M_g'; did you mean 'M_kg'?",
     'M_kg = 0.5\nM = "0.5 kg"': "expected M only once, got twice",
     "M_kg = 0.5\n[unknown]\nM_kg = [0.0, 1.0]": "expected M only once",

@@ -86,7 +86,7 @@ def test_units_and_meanings_below_the_header(read: Callable[..., Log]) -> None:
     assert {"t": "s", "x": "mm", "v": "mm/s"} == units.units
     assert "ms" == meanings.units["t"]
     assert ("line 4", "line 5") == (units.place(0), meanings.place(0))
-    assert ((), ("the header is line 2",)) == (units.notes, units.read_as)
+    assert ((), ("the header is line 2", "delimiter: comma; decimal point")) == (units.notes, units.read_as)
 
 
 def test_missing_values_in_the_first_rows_stay(read: Callable[..., Log]) -> None:
@@ -264,6 +264,7 @@ def test_a_workbook(tmp_path: Path) -> None:
 
     same(log, t=T, x=X, when=np.arange(40.0))
     assert {"t": "s", "x": "mm", "when": "s"} == log.units
+    assert ("the header is line 2",) == log.read_as
 
 
 def test_a_data_log_of_wpilib(tmp_path: Path) -> None:
@@ -322,7 +323,7 @@ def test_every_format_is_found_by_its_suffix(tmp_path: Path) -> None:
 
 
 def test_the_doctor_says_what_a_file_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Format, rows, clock and rate, units, text, what is missing; and the reason where it is no log."""
+    """Format, delimiter, rows, clock, units, text, what is missing; and the reason where it is no log."""
     path = tmp_path / "log.txt"
     path.write_text(
         "Scope,3\nTime,x,v,mode\nms,mm,,\n"
@@ -339,6 +340,7 @@ def test_the_doctor_says_what_a_file_is(tmp_path: Path, capsys: pytest.CaptureFi
     for said in ("50 rows, 4 columns", "clock: Time [ms], 500 rows/s", "v: 1 throughout, 1 missing"):
         assert said in shown
     assert "mode: text, 2 different" in shown
+    assert "the header is line 2\n  delimiter: comma\n" in shown
     assert "no.txt: not readable: delimited text" in shown
     assert "\nexpected a log with rows" in shown
 

@@ -57,10 +57,13 @@ def test_value_with_unit_in_si(text: str) -> None:
 
 
 BAD = {
-    "furlong": ("m", "unit 'furlong' is unknown at 'furlong'; known are m, cm, mm$"),
-    "RPM": ("rad/s", "unknown at 'RPM'; did you mean 'rpm'\\? known are rad/s, deg/s, rev/s, rpm, counts/s$"),
-    "N m/amp": ("N m/A", "unknown at 'amp'; did you mean 'N m/A'\\?"),
-    "Hz": ("rad/s", "unknown at 'Hz'"),
+    "furlong": ("m", "unknown unit 'furlong'; known are m, cm, mm$"),
+    "RPM": (
+        "rad/s",
+        "unknown unit 'RPM'; did you mean 'rpm'\\? known are rad/s, deg/s, rev/s, rpm, counts/s$",
+    ),
+    "N m/amp": ("N m/A", "unknown unit 'amp' in 'N m/amp'; did you mean 'N m/A'\\?"),
+    "Hz": ("rad/s", "unknown unit 'Hz'"),
     "V": ("N m/A", "expected a unit like N m/A, mNm/A, V s/rad, .*, got 'V'"),
     "counts": ("rad", "requires encoder_counts_per_rev"),
     "V/rad s": ("V s/rad", "ambiguous after '/': write parentheses"),

@@ -99,8 +99,8 @@ class RigDraft(ResultBase):
         ]
         rows += [f"  left out: {columns}, {why}" for columns, why in folded(self.left_out)]
         rows += [f"check: {doubt}" for doubt in self.doubts]
-        more = f"; to diagnose also {', '.join(self.needed_to_diagnose)}" if self.needed_to_diagnose else ""
-        more += f"; better also: {', '.join(self.ranged)}" if self.ranged else ""
+        more = f"; to diagnose, also {', '.join(self.needed_to_diagnose)}" if self.needed_to_diagnose else ""
+        more += f"; preferably also {', '.join(self.ranged)}" if self.ranged else ""
         return "\n".join([*rows, f"still to fill in: {', '.join(self.needed) or 'nothing'}{more}"])
 
     def table(self) -> ResultTable:
@@ -348,9 +348,10 @@ def _tried(
             filled = True
             given = {**given, "known": {**given.get("known", {}), here: axis.unit(_TYPICAL[letter])}}
             continue
-        # A value that was filled in, and a column or a gear that is wrong, contradict the log by themselves.
+        # A value that was filled in, and a wrong column, gear or encoder, contradict the log by themselves.
         wrong = {(one.table, one.key) for one in complaints}
-        if filled or ("known", "mu") in wrong or any(table == "columns" for table, _ in wrong):
+        scale = {("known", "mu"), ("", "encoder_counts_per_rev")}
+        if filled or scale & wrong or any(table == "columns" for table, _ in wrong):
             return RigCheck(tuple(missing), (), ())
         contradicted = [f"{rig.path}: {_with_mend(f)}" for f in channels.intake.findings if _grave(f)]
         if not contradicted and not fit.fits_the_rig:

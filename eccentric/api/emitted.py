@@ -264,7 +264,7 @@ def _model_and_values(
             document = document_of(path)
             named = document.get("model")
             if parameters is not None:
-                raise InputError("parameters", "none beside a fit.json", str(parameters))
+                raise InputError("parameters", "none with a fit.json", str(parameters))
             if not isinstance(named, str):
                 raise InputError(path, "a fit.json that names its model", repr(named))
             return named, path

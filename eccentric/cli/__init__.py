@@ -37,7 +37,7 @@ from eccentric.version import __version__
 
 _OBJECTS = 2_000_000
 """New objects between two searches for reference cycles."""
-_DESCRIPTION = "Friction models for drives that swing an unbalanced mass: derive, emit, fit, diagnose."
+_DESCRIPTION = "Derive, emit, fit and diagnose friction models for drives that swing an unbalanced mass."
 
 COMMANDS = (
     "derive",

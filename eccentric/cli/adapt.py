@@ -8,7 +8,7 @@ from eccentric.cli.arguments import add_folder, add_model, add_rig, log_suffixes
 from eccentric.core import own_folder
 
 NAME = "adapt"
-HELP = "replay a log through the emitted friction estimator: coefficients over time, and alarms"
+HELP = "replay a log through the emitted friction estimator, and report coefficients over time and alarms"
 EXAMPLE = """eccentric adapt examples/bench/bench.csv.gz --rig examples/bench/bench.toml --out build/adapted
 eccentric adapt tuesday.csv --rig my_rig.toml --parameters build/monday/fit.json --out build/tuesday"""
 

@@ -84,9 +84,9 @@ def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
         metavar="DIR",
         type=Path,
         required=True,
-        help=f"folder for {files}: new, empty, or written by eccentric, but not the current directory;"
-        " replaces the files from an earlier run of this command, keeps all others, and refuses to overwrite"
-        " those of another command",
+        help=f"folder for {files}; must be new, empty, or written by eccentric, and not the current"
+        " directory. Files from an earlier run of this command are replaced, all others are kept; those of"
+        " another command are never overwritten",
     )
 
 

@@ -18,7 +18,7 @@ from eccentric.core import TARGETS, InputError
 from eccentric.version import __version__
 
 NAME = "doctor"
-HELP = "show what is installed and how to install what is missing; given files, what kind of log each one is"
+HELP = "show what is installed and how to install what is missing; given files, how each is read as a log"
 EXAMPLE = """eccentric doctor
 eccentric doctor my_log.csv"""
 
@@ -27,12 +27,12 @@ _BROWSERS = ("firefox", "chromium", "chromium-browser", "google-chrome", "micros
 _EXTRAS = {
     "figures": (("matplotlib",), "figures of a fit and of the paper"),
     "report": (("matplotlib", "bokeh"), "figures in the report of a diagnosis"),
-    "arms": (("yourdfpy",), "arms by URDF"),
-    "arms-bench": (("mujoco-core",), "the virtual bench of an arm"),
-    "exports": (("mujoco-core", "fmpy"), "running what export writes"),
+    "arms": (("yourdfpy",), "arms in URDF files"),
+    "arms-bench": (("mujoco-core",), "the virtual bench for arms"),
+    "exports": (("mujoco-core", "fmpy"), "running exports (mujoco-core: mjcf, budget, urdf; fmpy: fmu)"),
     "fleet": (("dask", "distributed", "pyarrow"), "the logs of a fleet"),
     **{t.extra: (t.packages, f"the {t.meaning}") for t in TARGETS.values() if t.extra},
-    "completion": (("argcomplete",), "completion in the shell"),
+    "completion": (("argcomplete",), "shell completion"),
 }
 """Extra of `pyproject.toml` other than those of log formats: its packages, and what it is for."""
 
@@ -43,7 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="*",
-        help="files of any kind, to see how they are read as logs",
+        help="logs to describe: format, columns and sampling rate",
     )
 
 
@@ -63,12 +63,11 @@ def run(args: argparse.Namespace) -> int:
     width = max(map(len, extras))
     for extra, (packages, purpose) in extras.items():
         found = {package: _version(package) for package in packages}
-        said = (
-            ", ".join(f"{package} {number}" for package, number in found.items())
-            if all(found.values())
-            else coloured(f'missing: pip install "eccentric[{extra}]"', "warning")
-        )
-        print(f"{extra:{width}}  {purpose}: {said}")
+        said = [f"{package} {number}" for package, number in found.items() if number]
+        if absent := [package for package, number in found.items() if not number]:
+            fix = f'{" and ".join(absent)} missing: pip install "eccentric[{extra}]"'
+            said.append(coloured(fix, "warning"))
+        print(f"{extra:{width}}  {purpose}: {', '.join(said)}")
     return 1 if missing else 0
 
 

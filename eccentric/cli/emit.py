@@ -114,7 +114,7 @@ def run(arguments: argparse.Namespace) -> int:
         fit = f"eccentric fit LOG --rig RIG --model {arguments.model} --out FIT"
         fit = f"{fit}, then --parameters FIT/fit.json"
         if arguments.adapt:
-            print(f"the estimator starts from 30 % of each coefficient; from a fit's own errors: {fit}")
+            print(f"the estimator assumes errors of 30 % of each coefficient; to use those of a fit: {fit}")
         if arguments.compensation:
-            print(f"the gain of the compensation is 0.9; from a fit's own errors: {fit}")
+            print(f"the gain of the compensation is 0.9; to compute it from the errors of a fit: {fit}")
     return 0

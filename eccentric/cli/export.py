@@ -38,7 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs=2,
         type=float,
         metavar=("LOW", "HIGH"),
-        help="motor speeds [rad/s] over which to fit the friction where the target has only constant"
+        help="motor speeds [rad/s] over which to fit the friction if the target has only constant"
         " coefficients (default: those of the log; without a log, 1 to 60)",
     )
     parser.add_argument("--prefix", metavar="NAME", help="name of the files (default: the model's name)")

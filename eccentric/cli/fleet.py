@@ -10,7 +10,7 @@ from eccentric.cli.arguments import bar, options, print_warnings
 from eccentric.core import Ended, own_folder
 
 NAME = "fleet"
-HELP = "find what changed in a fleet: friction coefficients by joint and period, from the logs of many joints"
+HELP = "find what changed in a fleet, from the friction coefficients of its joints over time"
 EXAMPLE = """eccentric fleet build/fleet/logs --rigs build/fleet/rigs.csv --out build/fleet_report
 eccentric fleet '/data/2025/*.parquet' --pattern '{joint}_{period}' --rigs rigs.csv --out report
 eccentric fleet /data/fleet --rigs rigs.csv --out report --scheduler tcp://10.0.0.5:8786"""
@@ -45,8 +45,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         type=Path,
         required=True,
-        help="folder for the page, the reports, coefficients and sums; reuses the results of an earlier run:"
-        " only new and changed logs are read",
+        help="folder for the page, the reports, coefficients and sums; the results of an earlier run"
+        " are reused, and only new and changed logs are read",
     )
     add(
         "--pattern",

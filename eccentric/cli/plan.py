@@ -38,13 +38,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--for",
         dest="sought",
         metavar="NAMES",
-        help="without logs: find the speed, mass and time that reveal these coefficients of friction by F_N,"
-        " at Table 1's values or at your own, as in B_lN,C_lN=0.01",
+        help="without logs: find the speed, mass and time that reveal these coefficients of F_N friction,"
+        " with the values of Table 1 or your own, as in B_lN,C_lN=0.01",
     )
     parser.add_argument(
         "--noise",
         metavar="TORQUE",
-        help='with --for: torque noise per independent sample, as "2 mN m"',
+        help='with --for: torque noise per independent sample, such as "2 mN m"',
     )
     add_folder(parser, "the reference, as CSV and C, and its plot")
 

@@ -27,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "--arm",
         metavar="ARM",
-        help="arm whose joints were logged, .toml or .urdf; its columns are named by a pattern",
+        help="arm whose joints were logged, .toml or .urdf; the draft then has column patterns",
     )
     add("--rate", metavar="HZ", type=float, help="rows per second of a log without a time column")
     add("--name", metavar="NAME", help="name of the rig (default: the name of the log)")

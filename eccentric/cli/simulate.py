@@ -8,7 +8,7 @@ from eccentric.cli.arguments import add_rig, bar, log_suffixes, progress, take_a
 from eccentric.core import own_folder
 
 NAME = "simulate"
-HELP = "simulate fitted models with the input of a log, and compare their motion with the measured motion"
+HELP = "drive fitted models with the input of a log, and compare their motion with the measured one"
 EXAMPLE = """eccentric simulate examples/bench/bench.csv.gz --rig examples/bench/bench.toml
 eccentric simulate LOG --rig RIG c2_parallel 'c2_parallel+stribeck[d=1]' --out build/simulated"""
 

@@ -15,7 +15,10 @@ from eccentric.core.transaction import MARKER, alone, files, is_folder, stands, 
 # Output folders. The hidden file `.eccentric` lists which command wrote which file.
 
 
-_NOTICE = "Written by eccentric. The command beside a file replaces it on its next run; other files stay."
+_NOTICE = (
+    "Written by eccentric. The command next to a file name replaces that file on its next run;"
+    " other files are kept."
+)
 
 
 def folder_to_write(path: str | os.PathLike[str]) -> Path:

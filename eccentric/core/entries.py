@@ -38,9 +38,10 @@ def read_document(path: Path, what: str) -> Mapping[str, Any]:
             raise InputError(path, "each key and table only once", f"{line!r} again in {place}") from None
         if re.search(r"[=:]\s*[-+]?\d+,\d+\s*(?:#.*)?$", line):
             raise InputError(path, "a decimal point", f"{line!r} in {place}") from None
-        if unquoted := re.match(r"(\S+)\s*=\s*([-+.\deE]+\s*[^\W\d_][^#]*?)\s*(?:#.*)?$", line):
+        if unquoted := re.match(r"(\S+)\s*=\s*([-+.\deE]+\s*(?:[^\W\d_]|/)[^#]*?)\s*(?:#.*)?$", line):
             key, value = unquoted.groups()
-            wanted = f'expected a value with its unit in quotes, {key} = "{value}"'
+            what = "a ratio" if re.fullmatch(r"[\d./\s]+", value) else "a value with its unit"
+            wanted = f'expected {what} in quotes, {key} = "{value}"'
             raise InputError(path, problem=f"{wanted}, got {line!r} in {place}") from None
         if word := re.match(r"(\S+)\s*=\s*([^\W\d]\w*)\s*(?:#.*)?$", line):
             truth = word[2].lower() in ("true", "false")

@@ -267,7 +267,7 @@ def diagnosed(
         again = improved(found, stage, asked)
         if again is None:
             continue
-        tell(f"the same with the {what} that was found beside it")
+        tell(f"the same with the {what} that was found")
         for search in found.searches.values():
             search.release()
         second = _searched(again, asked, tell, required)

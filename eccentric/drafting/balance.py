@@ -315,8 +315,8 @@ def as_gravity(
 # Which side of the gear angle and speed are of, and the gear: by gravity, slope and names.
 
 
-GUESSED_UNITS = "as sure as the units of angle and speed, of which one is a guess"
-SHORT = "less than one period of gravity was seen: no more than a guess"
+GUESSED_UNITS = "only as certain as the units of angle and speed, one of which is a guess"
+SHORT = "less than one period of gravity was seen: only a guess"
 
 
 @dataclass(frozen=True)
@@ -376,7 +376,10 @@ def _by_gravity(best: Reading, balance: Explained | None) -> RigLine:
             return RigLine("known", "mu", "1", why, SHORT)
         return _line(said, f"gravity repeats every {said:.4g} turns of the logged shaft")
     if said:
-        why = "the logged angle is that of the link: all is seen at its shaft, a gear is inside k_i and J_m"
+        why = (
+            "the logged angle is that of the link: everything is referred to its shaft, and k_i and J_m"
+            " include the gear"
+        )
         return RigLine("known", "mu", "1", why)
     why = "link speed over motor speed; 1 refers everything to the logged shaft"
     return RigLine("known", "mu", "1", why, "without gravity the log does not reveal the gear ratio")

@@ -160,7 +160,7 @@ def carriage_entries(
             entries.append(known_asked("k_f", "50 N/A", "force constant (data sheet)"))
     force = next((p for p in drives if p.channel == "torque"), None)
     end = f"{float(f'{largest:.1g}'):g} {force.unit}" if force and largest else "1000 N"
-    why = "a constant force against positive motion: a part of the weight; an amplifier's offset looks alike"
+    why = "a constant force against positive motion: part of the weight; an amplifier's offset looks the same"
     ends = json.dumps([f"-{end}", end])
     if one_way:
         why = f"{why}; {ONE_WAY}"

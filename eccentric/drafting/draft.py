@@ -131,9 +131,7 @@ def draft_of(log: Log) -> Draft:
     if not grid.parts:
         raise InputError(log.path, problem="expected a stretch of more rows without a gap in time")
     if grid.step > 1.0 / limits.SLOWEST_HZ:
-        said = (
-            f"{1.0 / grid.step:.2g}: no acceleration is to be seen (is {clock.proposal.source!r} the time?)"
-        )
+        said = f"{1.0 / grid.step:.2g}: no acceleration can be seen (is {clock.proposal.source!r} the time?)"
         raise InputError(log.path, f"at least {limits.SLOWEST_HZ:g} rows/s", said)
     flags = [c for c in left.values() if c.is_flag]
     ratio = {c.text: why for c in left.values() if (why := _beside(c.name))}
@@ -466,7 +464,7 @@ def _moves_too(
             continue
         x, y = (grid.smooth(one) for one in (of, column))
         if np.std(y) > limits.MOVES * np.std(x) and abs(np.corrcoef(x, y)[0, 1]) < limits.DERIVATIVE:
-            return f"{column.text} moves in a way of its own: is it of another machine?"
+            return f"{column.text} moves independently: is it from another machine?"
     return ""
 
 

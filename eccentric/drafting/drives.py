@@ -401,7 +401,7 @@ def with_direction(proposals: Sequence[Proposal], columns: Mapping[str, LoggedCo
     if direction is None:
         return list(proposals)
     factor = _factor(direction)
-    never = f"never negative beside {direction.text}"
+    never = f"never negative, and {direction.text} gives a direction"
 
     def doubt(p: Proposal) -> str:
         if p.channel.startswith(("current", "torque")):

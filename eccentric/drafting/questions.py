@@ -49,7 +49,7 @@ def _encoder(best: Reading, given: Shown, balance: Explained | None) -> list[Rig
             doubt = GUESSED_UNITS
         return [RigLine("", key, f"{best.counts:g}", why, doubt, guessed=bool(doubt))]
     if "counts" in best.speed and best.counts:
-        why = next(w for w in best.why["speed"] if "a turn has" in w)
+        why = next(w for w in best.why["speed"] if "per turn" in w)
         return [RigLine("", key, f"{best.counts:g}", why)]
     if given.step:
         unit = parse_unit(best.angle, "").factor
@@ -96,8 +96,8 @@ def _known(
         entries.append(computed_by(drives, known_asked("k_i", "0.05 N m/A", why, needed=True)))
     elif "current" in kinds:
         why = (
-            "the torque constant, which gravity identifies; better the data sheet's, under [known] in place"
-            " of this line: without it, gear losses may be a wrong constant"
+            "the torque constant, identified through gravity; the data sheet's value, under [known] instead"
+            " of this line, is better: without it, gear losses cannot be told from a wrong constant"
         )
         entries.append(RigLine("unknown", "k_i", '["0.001 N m/A", "20 N m/A"]', why))
     if "voltage" in kinds:
@@ -158,7 +158,7 @@ def turns_asked(t: Array, breaks: NDArray[np.bool_], given: Shown) -> list[RigLi
         way = np.abs(column.values[1:] * steps)[inside]
         low, middle, high = np.quantile(way, [0.1, 0.5, 0.9])
         of_turns = high - low <= limits.ONE_TURN * middle
-    why = f"{column.text} goes with uneven steps of time as turns do: is each row the time of one turn?"
+    why = f"{column.text} and the uneven time steps look like turns: is each row the time of one turn?"
     return [RigLine("", "events", '"revolution"', why, asked=True)] if of_turns else []
 
 
@@ -203,7 +203,7 @@ def line_asked(grid: Grid, given: Shown, unit: str, drive: LoggedColumn | None) 
     return [RigLine("", "angle", '"line"', why, asked=True)]
 
 
-ONE_WAY = "one direction only: Coulomb friction and a constant load are one and the same there"
+ONE_WAY = "one direction only: Coulomb friction and a constant load look the same there"
 
 
 def one_way(motion: Moved) -> bool:

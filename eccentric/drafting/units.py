@@ -478,7 +478,7 @@ def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
     if told and each and angle != "counts" and given.factor and unit:
         turn = TURN * each * abs(given.factor) / (unit * later)
         counts = nice_counts(turn, limits.SAME_COUNTS) or turn
-        why["speed"] += (f"by the slope of the angle a turn has {turn:.6g} counts",)
+        why["speed"] += (f"{turn:.6g} counts per turn by the slope of the angle",)
     of_count = TURN / counts if counts else unit
     per = each * of_count if each else _factor(speed, _SPEEDS)
     ratio = 1.0
@@ -532,7 +532,7 @@ def _counts(given: Shown, speed: str, later: float) -> tuple[float, bool, tuple[
     if given.factor and (per := _factor(speed, _SPEEDS)):
         turn = TURN * later / (abs(given.factor) * per)
         found = nice_counts(turn, limits.FACTOR) or turn
-        return found, False, (f"by the logged speed a turn has {turn:.6g} counts",)
+        return found, False, (f"{turn:.6g} counts per turn by the logged speed",)
     if given.period:
         # A turn of the link is counts times gear: a usual encoder behind the smallest whole gear.
         gears = range(1, limits.MOST_TURNS)

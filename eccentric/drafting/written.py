@@ -101,5 +101,5 @@ def folded(left_out: Mapping[str, str]) -> list[tuple[str, str]]:
         elif all(left_out[column] == why for column in columns):
             found.append((columns[0], f"{len(columns)} columns ({few(columns)})", why))
         else:
-            found.append((columns[0], f"{len(columns)} columns ({few(columns)})", f"{why}, or alike"))
+            found.append((columns[0], f"{len(columns)} columns ({few(columns)})", f"{why}, or similar"))
     return [(columns, why) for _, columns, why in sorted(found)]

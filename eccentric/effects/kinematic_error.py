@@ -171,7 +171,7 @@ def encoder_eccentricity(setting: Setting) -> Iterator[Effect]:
         tell_apart={
             "cogging": "Turn at constant speeds over a wide range: cogging stays the same.",
             "kt_ripple": "Drive the motor externally with its terminals open: voltage over speed shows both,"
-            " and beside a second encoder only the ripple.",
+            " and next to a second encoder only the ripple.",
             "link_harmonic_friction": ONLY_FRICTION,
             "motor_harmonic_friction": ONLY_FRICTION,
         },

@@ -66,8 +66,8 @@ def document_of(source: Path | Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 _DIAGNOSED = {
-    "eccentric-diagnosis/": "emit the model.py beside it, which has its values",
-    "eccentric-arm-diagnosis/": "emit the model.py of a joint, joint_NUMBER/model.py beside it",
+    "eccentric-diagnosis/": "emit the model.py next to it, which has its values",
+    "eccentric-arm-diagnosis/": "emit the model.py of a joint, joint_NUMBER/model.py next to it",
 }
 """Beginning of a format -> what to do instead."""
 
@@ -81,7 +81,8 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
         raise InputError(
             where,
             "friction in N m",
-            (f"that of {', '.join(map(str, unscaled))} without a scale: give k_i in the [drives] of the rig"),
+            f"that of {', '.join(map(str, unscaled))} without a scale: give k_i under [drives] in the rig"
+            " file",
             why="of every joint",
         )
     axis = AXES.get(str(content.get("kind", TURNING.name)), TURNING)

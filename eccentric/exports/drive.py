@@ -53,7 +53,7 @@ class ExportedDrive:
             raise InputError(
                 place,
                 "friction in N m",
-                f"one in {model.torque_unit}: declare k_i in the rig",
+                f"one in {model.torque_unit}: declare k_i in the rig file",
                 why="to export",
             )
         if model.states:

@@ -338,7 +338,7 @@ def delay_or_inertia(at: Mapping[str, float], axis: AxisKind) -> str:
         return ""
     inertia = axis.term("inertia")
     return (
-        f"beside it input_delay_s = {at['input_delay_s']:.3g} s is estimated, and at one frequency a delay"
+        f"input_delay_s = {at['input_delay_s']:.3g} s is estimated as well, and at one frequency a delay"
         f" and an {inertia} cannot be told apart: declare the {inertia} or the delay, or log several"
         " frequencies"
     )

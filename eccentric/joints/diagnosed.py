@@ -218,7 +218,7 @@ def why_not_emitted(diagnosis: ArmDiagnosis) -> str:
     if misfit := [j.number for j in diagnosis.joints if not j.fits_the_rig]:
         return f"the log does not fit the rig in {_those(misfit)}"
     if unscaled := [j.number for j in diagnosis.joints if j.found.unit != "N m"]:
-        return f"friction has no scale in N m in {_those(unscaled)}: give k_i in the [drives] of the rig"
+        return f"friction has no scale in N m in {_those(unscaled)}: give k_i under [drives] in the rig file"
     if diagnosis.bodies is not None and not diagnosis.bodies.bodies.explain:
         return "no real bodies have the identified base parameters"
     return ""

@@ -266,8 +266,8 @@ def warnings_of(log: ArmLog, bodies: IdentifiedBodies | None) -> tuple[str, ...]
     warnings = [*common, *specific]
     if bodies is not None and not bodies.bodies.explain:
         warnings.append(
-            "no real bodies have the identified base parameters: the nearest miss one by"
-            f" {bodies.bodies.misfit:.1f} standard errors; the loads are those of the nearest"
+            "no real bodies have the identified base parameters: the nearest differ in one by"
+            f" {bodies.bodies.misfit:.1f} standard errors, and determine the loads"
         )
     return tuple(warnings)
 

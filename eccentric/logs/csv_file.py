@@ -13,7 +13,7 @@ import gzip
 import io
 import itertools
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -45,7 +45,7 @@ from eccentric.logs.foreign import (
     text_of,
 )
 from eccentric.logs.labels import has_labels, of_labels
-from eccentric.logs.layout import Layout, is_content, is_prose, layout_of, rows_of, uncommented
+from eccentric.logs.layout import BLANKS, Layout, is_content, is_prose, layout_of, rows_of, uncommented
 
 _NO_TABLES = {
     "version https://git-lfs": "a pointer of Git LFS: fetch the file itself, as with git lfs pull",
@@ -99,8 +99,9 @@ def read_text(whole: str, path: Path) -> Read:
     with _csv_errors(path):
         layout = _start(path, text)
         read = _of_rows(path, text, layout)
+        read_as = (*layout.notes, *read.read_as)
         read = of_clocks(read, layout.clocks, path) if layout.clocks else of_topics(read, path)
-    return dataclasses.replace(read, read_as=layout.notes)
+    return dataclasses.replace(read, read_as=read_as)
 
 
 @contextmanager
@@ -305,9 +306,10 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
     header, before = layout.names, layout.before
     if (numbers := _all_numbers(text[before:], layout)) is not None:
         lines = np.arange(before + 1, before + 1 + len(numbers))
-        return _timed(
-            Read(dict(zip(header, numbers.T.copy(), strict=True)), lines, units=layout.units), layout
-        )
+        decimal = "." if any("." in line for line in text[before:]) else ""
+        columns = dict(zip(header, numbers.T.copy(), strict=True))
+        read = Read(columns, lines, units=layout.units, read_as=_signs(layout, decimal))
+        return _timed(read, layout)
     found = [(before + line, row) for line, row in rows_of(text[before:], layout.delimiter)]
     units = units_row(header, *(row for _, row in found[:2])) if len(found) > 1 else {}
     found = _rectangular(found[1:] if units else found, layout, path)
@@ -324,7 +326,13 @@ def _of_rows(path: Path, text: Sequence[str], layout: Layout) -> Read:
         columns[name], unit, note = cells_to_column(name, cells, sign)
         notes += [note] if note else []
         units |= {name: unit} if unit else {}
-    return _timed(Read(columns, lines, tuple(notes), units), layout)
+    used = {
+        mark
+        for mark in ".,"
+        for cells, sign in zip(values, signs, strict=True)
+        if mark == sign.decimal and any(mark in cell and is_number(cell) for cell in cells)
+    }
+    return _timed(Read(columns, lines, tuple(notes), units, _signs(layout, used)), layout)
 
 
 def _timed(read: Read, layout: Layout) -> Read:
@@ -334,6 +342,15 @@ def _timed(read: Read, layout: Layout) -> Read:
     name, start, step = layout.every
     time = {name: start + step * np.arange(len(read.lines))}
     return dataclasses.replace(read, columns={**read.columns, **time}, units={**read.units, name: "s"})
+
+
+def _signs(layout: Layout, decimals: Collection[str]) -> tuple[str]:
+    """How values are separated, and their decimal sign; both signs where columns differ."""
+    marks = (mark for sign, mark in ((".", "decimal point"), (",", "decimal comma")) if sign in decimals)
+    return ("; ".join((f"delimiter: {_DELIMITERS[layout.delimiter]}", *marks)),)
+
+
+_DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab", "|": "vertical bar", BLANKS: "blanks"}
 
 
 def _all_numbers(lines: Sequence[str], layout: Layout) -> NDArray[np.float64] | None:
@@ -458,7 +475,8 @@ def read_xlsx(path: Path) -> Read:
         if others:
             notes.append(f"left out, other sheets: {few(others, 5)}")
         read = read_text(text.getvalue(), path)
-    return dataclasses.replace(read, notes=(*notes, *read.notes))
+    # The delimiter is that of the text above, not of the workbook.
+    return dataclasses.replace(read, notes=(*notes, *read.notes), read_as=read.read_as[:-1])
 
 
 def _cell(value: Any) -> str:

@@ -83,7 +83,7 @@ _PACKAGES = {
 """Extra of `pyproject.toml` -> the packages that it brings."""
 TEXT = Format(
     (".csv", ".txt", ".dat", ".tsv", ".log", ".asc"),
-    "delimited text: commas, semicolons, tabs or blanks",
+    "delimited text",
     "csv_file.read_csv",
     parts="csv_file.csv_source",
     gzipped=True,

@@ -177,7 +177,7 @@ def _require_closed(path: Path) -> None:
                     path,
                     "a bag that was closed",
                     (
-                        f"one with {journal.name} beside it: end its recording, or open and close it"
+                        f"one with {journal.name} next to it: end its recording, or open and close it"
                         " once with sqlite3"
                     ),
                 )

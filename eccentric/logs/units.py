@@ -145,8 +145,9 @@ def parse_unit(
         same = _choices(required, where) if required else _SHOWN
         close = _closest(stripped, same) or _closest(str(unknown), _NAMES)
         hint = f"did you mean {close!r}? " if close else ""
+        inside = "" if str(unknown) == text else f" in {text!r}"
         raise InputError(
-            where, problem=f"unit {text!r} is unknown at {str(unknown)!r}; {hint}known are {', '.join(same)}"
+            where, problem=f"unknown unit {str(unknown)!r}{inside}; {hint}known are {', '.join(same)}"
         ) from None
     if rest:
         raise InputError(where, problem=f"unit {text!r} has an unmatched ')'")
@@ -272,7 +273,7 @@ def _power(part: str, text: str, where: str, counts_per_rev: float | None) -> tu
     exponent = int(match[2] or {"²": 2, "³": 3, None: 1}[match[3]]) if match else 1
     if name in ("count", "counts"):
         if counts_per_rev is None:
-            raise InputError(where, problem=f"unit {text!r} requires encoder_counts_per_rev in the rig")
+            raise InputError(where, problem=f"unit {text!r} requires encoder_counts_per_rev in the rig file")
         return (_TURN / counts_per_rev) ** exponent, _ONE
     if name not in _TABLE:
         raise _UnknownNameError(name)

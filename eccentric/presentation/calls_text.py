@@ -152,7 +152,7 @@ def export_lines(drive: ExportedDrive | ExportedArm, exported: Exported) -> list
         it = "it" if len(missing) == 1 else "them"
         # A fit gives all inertias a value, and takes no more from --parameters.
         fitted = None not in (drive.p.J_m, drive.p.J_l)
-        mend = f"declare {it} in the rig and fit again" if fitted else f"give {it} with --parameters"
+        mend = f"declare {it} in the rig file and fit again" if fitted else f"give {it} with --parameters"
         lines.append(f"left out: the pendulum {file}, which requires {' and '.join(missing)}: {mend}")
     if drive.model.back_emf_in_friction:
         lines.append(

@@ -394,7 +394,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out += [f"  {effect_name(c.words.headline, c.id)}" for c in a.candidates[:4]]
     elif a.verdict in {"named", "not_identifiable"}:
         several = len(a.adopted) > 1
-        out.append(f"candidates, {'each with its own' if several else 'with their'} probability:")
+        chances = "each with its own probability" if several else "with their probabilities"
+        out.append(f"candidates, {chances}:")
         out += _ranked(found)
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)

@@ -201,7 +201,8 @@ def _scale_line(fit: Fit, axis: AxisKind) -> list[str]:
     if problem.scale is not None:
         unit, inertia = axis.term("newton metres"), axis.term("inertia")
         scale = axis.named(str(problem.scale))
-        return [f"no scale to {unit} (no {inertia}, gravity or load is known): all is times {scale}"]
+        why = f"no scale to {unit} (no {inertia}, gravity or load is known)"
+        return [f"{why}: all values are multiplied by {scale}"]
     return []
 
 

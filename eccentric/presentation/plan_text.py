@@ -132,7 +132,7 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         said.append(f"Not covered: {', '.join(plan.elsewhere)}, which shows in the {balance} balance.")
     if plan.follows:
         said.append(
-            f"Something depends on {', '.join(map(axis.named, plan.follows))} that no effect explains."
+            f"The residual depends on {', '.join(map(axis.named, plan.follows))}, and no effect explains it."
         )
         said += (
             [f"What would show it: {measurement_sentence(plan.otherwise, plan.axis)}"]
@@ -257,7 +257,7 @@ def detection_lines(plan: DetectionPlan) -> list[str]:
         ("speed", plan.speed_rad_s, "rad/s"),
         ("unbalanced mass", plan.mass_kg, "kg"),
     )
-    said.append(f"Enough for z = {SHOWN_AT_Z:g}, each with the others as they are:")
+    said.append(f"Enough for z = {SHOWN_AT_Z:g}, changing one at a time:")
     said += [
         f"  {name} " + ("alone does not help" if need is None else f"{need:.3g} {unit}")
         for name, need, unit in needs

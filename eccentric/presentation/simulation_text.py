@@ -73,8 +73,8 @@ def simulation_lines(found: SimulatedErrors, logs: Sequence[str], axis: AxisKind
     unit = axis.unit("rad")
     counts = ", ".join(
         f"{count} of {horizon:g} s" for horizon, count in zip(found.horizons_s, found.windows, strict=True)
-    )
-    head = f"{few(logs)}: simulated from measured states of the held-out part, windows: {counts}"
+    ).replace(" of", " windows of", 1)
+    head = f"{few(logs)}: simulated from measured states in the held-out part: {counts}"
     columns = [f"{horizon:g} s" for horizon in found.horizons_s]
     rows = [["model", *columns, *(name for name, _ in _of_runs(found.models[0]))]]
     for m in found.models:
@@ -105,11 +105,10 @@ def refined_lines(found: Refined, axis: AxisKind) -> list[str]:
     )
     held = ""
     if found.held_out is not None:
-        held = ", held out from {} to {}".format(*map(_shown, found.held_out))
+        held = "; held out: {} before, {} after".format(*map(_shown, found.held_out))
     what = f"mean absolute error of the simulated {axis.term('motor angle')} [{axis.unit('rad')}]"
-    return [
-        f"refined on {found.spans} {over}: {what} from {_shown(found.before)} to {_shown(found.after)}{held}"
-    ]
+    change = f"{_shown(found.before)} before, {_shown(found.after)} after{held}"
+    return [f"refined on {found.spans} {over}; {what}: {change}"]
 
 
 def refined_warnings(found: Refined | None, axis: AxisKind) -> list[str]:

@@ -141,7 +141,7 @@ def read_arm(source: str | os.PathLike[str], tip: str | None = None) -> Chain:
             where,
             "an arm file",
             (
-                f"a result ({content['format']}): emit the model.py beside a diagnosis.json, or"
+                f"a result ({content['format']}): emit the model.py next to a diagnosis.json, or"
                 " a model with --parameters FIT.json"
             ),
         )

@@ -89,6 +89,8 @@ def rig_complaints(
                 complain(error, pair[1])
                 apart.remove(pair[1])
     rest = _only(content, apart)
+    if "encoder_counts_per_rev" in content:
+        rest.setdefault("encoder_counts_per_rev", 1)  # as in `_alone`
     try:
         rig_of(rest, where)
     except InputError as error:

@@ -87,7 +87,7 @@ def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], B
         kinds = {"voltage": "held", **kinds}
     said = (
         f"the {name} is {how}, {step:.3g} s each: that explains the motion better than samples"
-        f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" of the rig overrides this)'
+        f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" in the rig file overrides this)'
     )
     return kinds, behind, [said]
 
@@ -303,7 +303,7 @@ def _suited(rig: Rig, points: _Points) -> tuple[Rig, list[str]]:
         warnings.append(
             f"means of runs cannot identify an {axis.term('inertia')}: {axis.named('J_m')} and"
             f" {axis.named('J_l')}"
-            " are taken as 0 unless the rig gives them"
+            " are taken as 0 unless the rig file gives them"
         )
     return rig, warnings
 
@@ -338,7 +338,7 @@ def _with_room_for(
     said = (
         f"a ripple of {lines[0]} per turn stands out of the drive: the low-pass filter is set to {cut:.3g} Hz"
         f"{f', though the {noisy} is noisy there' if rig.sampling.average_over else ''}"
-        " (low_pass_hz and average_over of the rig override this)"
+        " (low_pass_hz and average_over in the rig file override this)"
     )
     return dataclasses.replace(given, sampling=dataclasses.replace(given.sampling, low_pass_hz=cut)), [said]
 
@@ -444,7 +444,7 @@ def _rate_doubt(step: float, rig: Rig) -> list[str]:
     declared = rig.log.sample_rate_hz
     if declared is None or not step or limits.RATE_LOW < 1.0 / step / declared < limits.RATE_HIGH:
         return []
-    return [f"the rig says {declared:g} rows per second, the log has {1.0 / step:.4g}: is time in s?"]
+    return [f"the rig file says {declared:g} rows per second, the log has {1.0 / step:.4g}: is time in s?"]
 
 
 def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:

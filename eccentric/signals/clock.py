@@ -64,7 +64,7 @@ def with_doubts(findings: Sequence[Finding]) -> Iterator[None]:
         doubts = [finding.text for finding in findings if finding.doubts_the_rig]
         if type(error) is not InputError or not doubts:
             raise
-        problem = f"{doubts[0]}; as the rig is, {error.statement}"
+        problem = f"{doubts[0]}; with this rig file: {error.statement}"
         raise InputError(error.place, problem=problem, keys=error.keys) from None
 
 
@@ -115,11 +115,11 @@ def clock_of(log: Log, labels: Integers, t: Array, kept: Mask) -> ClockOfLog:
         raise InputError(
             f"{log.path}: {log.place(lost[0])}",
             "time stamps that increase",
-            f"{len(lost)} of {counted(int(np.count_nonzero(kept)), 'row')} out of order or twice",
+            f"{len(lost)} of {counted(int(np.count_nonzero(kept)), 'row')} out of order or repeated",
         )
     if lost:
         text = (
-            f"{log.path}: {counted(len(lost), 'row')} with a time out of order or twice (first:"
+            f"{log.path}: {counted(len(lost), 'row')} with a time out of order or repeated (first:"
             f" {log.place(lost[0])}){DROPPED}"
         )
         said.append(Finding("bad_time", "time", text, len(lost), "warning"))

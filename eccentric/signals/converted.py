@@ -23,7 +23,7 @@ Mask = NDArray[np.bool_]
 _LABELS = ("run", "use", "motor_off")
 CONTROLLER = "controller."
 """The columns that a controller uses are channels whose names begin with this."""
-_WITHOUT_CLOCK = ", or write how many rows it has a second where it has none, as in sample_rate_hz = 500"
+_WITHOUT_CLOCK = ", or, if there is none, give the sampling rate, as in sample_rate_hz = 500"
 _DRIVES = ("voltage", "current", "torque", "torque_l")
 
 

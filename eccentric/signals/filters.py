@@ -345,7 +345,7 @@ def suited(
         f"at {low_pass_hz:g} Hz encoder steps and time-stamp jitter of the {rig.axis.term('angle')} make up"
         f" {100 * noise / size:.0f} % of the"
         f" acceleration: the low-pass filter is set to {cut:.2g} Hz, and both sides are averaged over"
-        f" {1.0 / cut:.2g} s (low_pass_hz and average_over of the rig override this)"
+        f" {1.0 / cut:.2g} s (low_pass_hz and average_over in the rig file override this)"
     )
     return _averaged(rig, cut, 1.0 / cut), said
 
@@ -373,7 +373,8 @@ def _raised(
         return rig, ""
     said = (
         f"the load moves faster than {default:g} Hz, with {100 * missed / seen:.0f} % of the square of its"
-        f" acceleration: the low-pass filter is set to {chosen:g} Hz (low_pass_hz of the rig overrides this)"
+        f" acceleration: the low-pass filter is set to {chosen:g} Hz"
+        " (low_pass_hz in the rig file overrides this)"
     )
     return dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, low_pass_hz=chosen)), said
 

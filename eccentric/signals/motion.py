@@ -285,7 +285,7 @@ def _cause(factor: float, mu: float | None, axis: AxisKind) -> str:
     """Return the simplest and closest explanation of the factor; empty if there is none."""
     gears = {}
     if mu is not None and mu != 1.0:
-        gears = dict.fromkeys((mu, 1.0 / mu), "they are on two sides of the gear")
+        gears = dict.fromkeys((mu, 1.0 / mu), "they are on opposite sides of the gear")
         gears |= dict.fromkeys(
             (mu**2, mu**-2), f"{axis.named('mu')} = {mu:.4g} is the reciprocal of what it should be"
         )

@@ -291,7 +291,7 @@ def _require_windows(found: Rows, length: float, channels: Channels, rig: Rig, m
     both = channels.motor.current is not None and channels.motor.voltage is not None
     key = f"low_pass_hz above {rig.sampling.low_pass_hz:g}" if both else f"average_over below {length:.3g} s"
     remedy = (
-        f"the log is short: a longer one is the remedy; {key} gives more"
+        f"the log is short: record a longer one; {key} gives more"
         if len(shortest) >= limits.LEAST_WINDOWS
         else LONGER
     )

@@ -186,7 +186,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         Fact("rows held out", f"{counts['held_out']}", held),
         Fact("errors are computed on", found.rows.description),
         Fact("sampling", f"{1.0 / usual:.4g} Hz", f"{usual:.4g} s per row{uneven}"),
-        Fact("gaps in time", f"{gaps}", "no filter runs across a gap" if gaps else ""),
+        Fact("gaps in time", f"{gaps}", "sections are filtered separately" if gaps else ""),
         Fact("drive measured by", axis.named(channels.motor.measured_by)),
         Fact(
             f"step of the {axis.term('motor angle')}", f"{channels.motion.quantum_rad:.3g} {axis.unit('rad')}"
@@ -315,8 +315,8 @@ def _simulated(found: Diagnosis, simulated: SimulatedErrors | None) -> Iterator[
             f"simulated {axis.term('motor angle')} over {horizon:g} s",
             axis.unit("rad"),
             shown,
-            note="Mean absolute error of the motion simulated from the log's drive signal, starting from the"
-            f" measured state of {windows}.",
+            note="Mean absolute error of the motion simulated from the log's drive signal, in"
+            f" {windows} started from the measured state.",
             own_scale=True,
         )
 

@@ -216,8 +216,8 @@ def _against(winner: CandidateRow, runner: CandidateRow, unit: str, tied: bool) 
 def _chance(best: CandidateRow, chance: tuple[float, float], verdict: str, torque: str) -> str:
     gained, level = chance
     sentence = (
-        f"The best candidate of the {best.balance} balance is {best.called}; it improves the fit"
-        f" by {number(gained, 3)} in deviance"
+        f"The best candidate of the {best.balance} balance is {best.called}; it lowers the"
+        f" deviance by {number(gained, 3)}"
     )
     if gained <= level:
         return f"{sentence}. One log in a hundred reaches {number(level, 3)} by chance: this may be chance."

@@ -82,7 +82,7 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
     if unit:
         channel, name = logged.motion
         term = rig.axis.term(drive)
-        text = f"the {term} follows gravity if the {name} {unit}: correct the rig's [columns] or mu"
+        text = f"the {term} follows gravity if the {name} {unit}: correct [columns] or mu in the rig file"
         yield Finding("wrong_unit", channel, text, means.rows, "warning")
         return
     ratios = [*electrical(means, rig)]
@@ -141,8 +141,8 @@ def _unsigned(m: Means, drive: str, rig: Rig, alike: float) -> Finding | None:
         return None
     name, side = rig.axis.named(drive), "positive" if sign > 0.0 else "negative"
     text = (
-        f"the {name} is {side} in both directions: its sign is missing, as that"
-        " of a supply's current or of a duty cycle, or a constant load is not in the rig"
+        f"the {name} is {side} in both directions: its sign is missing, as in"
+        " a supply current or a duty cycle, or a constant load is missing from the rig file"
         f" ({rig.axis.named('T_load')}, with a range in [unknown])"
     )
     return Finding("wrong_sign", drive, text, m.rows, "warning")
@@ -205,12 +205,13 @@ def _sign(against: list[str], bodies: dict[str, RigidBody], m: Means, axis: Axis
     """Blame the drive that opposes the motion, or the angle if all do."""
     angle = axis.term("angle")
     if len(against) == len(bodies) > 1:
-        channel, text = "theta_m", f"the {angle} runs against {' and '.join(map(axis.named, against))}"
+        channel = "theta_m"
+        text = f"the {angle} is opposite in sign to {' and '.join(map(axis.named, against))}"
     else:
-        channel, text = against[0], f"{axis.named(against[0])} runs against the motion"
+        channel, text = against[0], f"{axis.named(against[0])} is opposite in sign to the motion"
     text += (
-        f": with these signs {axis.term('inertia')} and friction are negative; put a minus"
-        f" before its column in the rig"
+        f": {axis.term('inertia')} and friction would be negative; put a minus"
+        f" before its column in the rig file"
         f"{'' if channel == 'theta_m' else f' (or before that of the {angle})'}"
     )
     return Finding("wrong_sign", channel, text, m.rows, "warning")
@@ -251,7 +252,7 @@ def _gravity(body: RigidBody, c: Channels, rig: Rig, m: Means) -> Iterator[Findi
             expected = f" ({upright:.3g} N m)" if upright else ", with a mass M at L"
             text = (
                 f"the {drive} contains a gravity torque of {scale * value:.3g} N m at the motor, but the rig"
-                f" declares none (C1): is the plane of motion vertical, case C2{expected}?"
+                f" file declares none (C1): is the plane of motion vertical, case C2{expected}?"
             )
             yield Finding("contradiction", "case", text, m.rows, "warning")
     elif (
@@ -262,8 +263,9 @@ def _gravity(body: RigidBody, c: Channels, rig: Rig, m: Means) -> Iterator[Findi
     ):
         zero = math.remainder(rig.alignment.theta_zero_rad - body.turned, math.tau)
         text = (
-            f"gravity pulls towards {math.degrees(body.turned):.0f} deg off the zero angle of the log: set "
-            f"theta_zero_rad = {zero:.3g} in the rig (the link angle that is logged when the mass hangs down)"
+            f"gravity pulls towards {math.degrees(body.turned):.0f} deg off the zero angle of the log:"
+            f" set theta_zero_rad = {zero:.3g} in the rig file (the logged link angle at which the mass hangs"
+            " straight down)"
         )
         yield Finding("zero_angle", "theta_m", text, m.rows, "warning")
 
@@ -289,13 +291,13 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
             yield Finding("contradiction", ratio.letter, text, rows, "warning", mend)
             continue
         if ratio.found < 0.0 and ratio.name in factors:
-            text = f"{ratio.text}, which cannot be: look for a wrong sign or swapped columns in [columns]"
+            text = f"{ratio.text}, which is impossible: look for a wrong sign or swapped columns in [columns]"
             yield Finding("contradiction", ratio.letter, text, rows, "warning")
             continue
         why, blamed = single_cause(ratio, logged, ratios)
         _, mend = with_unit(blamed, rig) if blamed else ("", of_letter(ratio, rig))
         unit = blamed is not None and blamed.kind == "wrong_unit"
-        todo = "the rig's [columns]" if unit else f"the rig{_or_estimate(ratio, rig)}"
+        todo = "[columns] in the rig file" if unit else f"the rig file{_or_estimate(ratio, rig)}"
         text = f"{ratio.text}{why}; correct {todo}"
         # Where the rig's k_e is that of the log, the log says nothing against its k_i but that they differ.
         doubtful = not (ratio.name == "k_i" and any(r.name == "k_e" and r.near(1.0) for r in ratios))
@@ -303,8 +305,8 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
         yield Finding("contradiction", ratio.letter, text, rows, severity, mend)
     if {"J", "M g L"} <= {ratio.name for ratio in off}:
         text = (
-            f"neither {rig.axis.term('inertia')} nor gravity of the rig agrees with the"
-            f" log, which may be of another rig"
+            f"neither {rig.axis.term('inertia')} nor gravity in the rig file agrees with the"
+            f" log, which may be from another rig"
         )
         yield Finding("another_rig", c.motor.measured_by, text, rows, "warning")
 

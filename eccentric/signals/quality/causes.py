@@ -179,15 +179,14 @@ def _prefixed(signal: str, factor: float, logged: Logged) -> Cause:
 
 _SINGLE = {
     "k_e": {
-        1.0 / TURN: "the rig's is in V s/rev", 60.0 / TURN: "the rig's is in V/rpm",
-        0.06 / TURN: "the rig's is in V/krpm", 1e-3: "the rig's is in mV s/rad, or per krpm",
-        TURN: "the rig's is divided by 2 pi once too often",
+        1.0 / TURN: "in V s/rev", 60.0 / TURN: "in V/rpm",
+        0.06 / TURN: "in V/krpm", 1e-3: "in mV s/rad, or per krpm",
+        TURN: "divided by 2 pi once too often",
     },
-    "R": {1e-3: "the rig's is in mohm", 2.0: "the rig's is of one phase, the log's of two",
-          0.5: "the rig's is of two phases, the log's of one"},
-    "J": {1e-4: "the rig's is in kg cm^2", 1e-7: "the rig's is in g cm^2", 1e-3: "the rig's is in g m^2"},
-    "M g L": {1e-3: "the rig's mass is in g or its length in mm", 1e-2: "the rig's length is in cm",
-              1e3: "the rig has kg as g, or m as mm", 1e2: "the rig has m as cm"},
+    "R": {1e-3: "in mohm", 2.0: "one phase, and two in the log", 0.5: "two phases, and one in the log"},
+    "J": {1e-4: "in kg cm^2", 1e-7: "in g cm^2", 1e-3: "in g m^2"},
+    "M g L": {1e-3: "mass in g, or length in mm", 1e-2: "length in cm",
+              1e3: "kg entered as g, or m as mm", 1e2: "m entered as cm"},
 }  # fmt: skip
 
 
@@ -215,7 +214,7 @@ def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[
     if ratio.name == "J" and not logged.axis.wraps:
         return "", None
     if ratio.name == "J" and mu is not None and mu < limits.REDUCED:
-        causes |= {mu**2: "the rig's J_m is at the link", 1.0 / mu**2: "the rig's J_l is at the motor"}
+        causes |= {mu**2: "J_m at the link", 1.0 / mu**2: "J_l at the motor"}
     level = ratio.name == "M g L" and ratio.high < limits.LEVEL_PLANE
     if level and ratio.low <= 0.0:
         return _LEVEL, None

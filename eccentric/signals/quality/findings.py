@@ -105,8 +105,8 @@ def _gaps(c: Record, after_skipped: NDArray[np.bool_]) -> Iterator[Finding]:
     whole = sum(float(np.ptp(c.t[c.run == run])) for run in np.unique(c.run))
     part = float(np.sum(steps)) / whole
     text = (
-        f"{len(ends)} gap{'s' if len(ends) > 1 else ''} in time, {part:.2g} of the log, the longest of "
-        f"{steps[longest]:.3g} s after {c.t[ends[longest]]:.6g} s: no filter crosses them"
+        f"{len(ends)} gap{'s' if len(ends) > 1 else ''} in time, {part:.2g} of the log, the longest"
+        f" {steps[longest]:.3g} s after {c.t[ends[longest]]:.6g} s: sections are filtered separately"
     )
     yield Finding("gap", "time", text, len(ends), "warning" if part > MUCH_LOST else "note")
 
@@ -284,4 +284,4 @@ def _speed(table: Table, channels: Channels, rig: Rig) -> Iterator[Finding]:
 
 def _advised(doubt: str, asks: bool, axis: AxisKind) -> str:
     """What is wrong with the logged speed, possibly as a question, and what to do."""
-    return f"{doubt}{' C' if asks else '; c'}orrect the rig's [columns] or {axis.named('mu')}"
+    return f"{doubt}{' C' if asks else '; c'}orrect [columns] or {axis.named('mu')} in the rig file"
