@@ -312,7 +312,7 @@ def plot_fit(shown: Comparison, left: Any, right: Any = None) -> None:
     if right is not None:
         right.plot(shown.speed, shown.measured, color=_MEASURED, label="measured", markersize=3.0, **style)
     for values, color, which, called, size in models:
-        label = f"{called}: RMSE {shown.rmse[which]:.3g} {unit}"
+        label = f"{called}\nRMSE {shown.rmse[which]:.3g} {unit}"
         left.plot(values, shown.measured, color=color, label=label, markersize=size, **style)
         if right is not None:
             right.plot(shown.speed, values, color=color, label=called, markersize=size, **style)
@@ -322,9 +322,8 @@ def plot_fit(shown: Comparison, left: Any, right: Any = None) -> None:
         right.set(xlabel=shown.velocity, ylabel=f"{name} [{unit}]")
     for axes in drawn:
         axes.grid(linewidth=0.3)
-        # Above the axes, where it never covers a dot.
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, handletextpad=0.2)
+        # Inside: above the axes it would cover a title, or the legend beside it.
+        axes.legend(loc="best", handletextpad=0.2, fontsize=8.0)
         for handle in axes.get_legend().legend_handles:
             handle.set_markersize(10.0)
-    if right is not None:
-        left.figure.suptitle(shown.title, fontsize=9.0)
+    left.set_title(shown.title, loc="left", fontsize=9.0)

@@ -177,7 +177,7 @@ def plot_report(data: ReportData, left: Any, right: Any = None) -> None:
     added = ", ".join(effect.id for effect in data.extended.effects) or data.conclusion.verdict.replace(
         "_", " "
     )
-    left.figure.suptitle(f"{', '.join(data.source.logs)}: {added}", fontsize=9.0)
+    left.set_title(f"{', '.join(data.source.logs)}: {added}", loc="left", fontsize=9.0)
 
 
 def _draw(axes: Any, panel: Panel | None, balance: BalanceResiduals, quantity: str, axis: AxisKind) -> None:

@@ -402,7 +402,8 @@ def _follows(effect: Effect, found: Diagnosis, channels: Sequence[Channel]) -> t
     if not 0.0 < period < (1.0 - 1e-9) * TURN or found.rows.operator is not None:
         return (channel,)
     times = TURN / period
-    part = f"2π/{times:.0f}" if abs(times - round(times)) < 1e-6 * times else f"{period:.3g} {channel.unit}"
+    whole = abs(times - round(times)) < 1e-6 * times
+    part = f"2π/{times:.0f}".replace("2π/2", "π") if whole else f"{period:.3g} {channel.unit}"
     return channel, replace(channel, label=f"{channel.label} modulo {part}", period=period)
 
 
