@@ -162,9 +162,9 @@ class Problem:
     @property
     def is_baseline(self) -> bool:
         """Whether the model itself is Coulomb + viscous friction, as that of a carriage."""
-        roles = [column.role for columns in self.friction for column in columns]
+        roles = sorted(column.role.name for columns in self.friction for column in columns)
         unloaded = all(column.load is Load.NONE for columns in self.friction for column in columns)
-        return unloaded and roles == [Role.VISCOUS, Role.COULOMB]
+        return unloaded and roles == [Role.COULOMB.name, Role.VISCOUS.name]
 
     @property
     def narrowed(self) -> Problem | None:
