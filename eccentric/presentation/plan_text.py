@@ -68,7 +68,6 @@ _MEASUREMENTS = {
     ),
 }
 """Variable -> a measurement that a person can do; its terms are in braces."""
-_CORRECT = "Correct the rig file or the log first."
 _HOLD_OTHERS = (
     "Accelerate and brake this joint at three rates with the others held, then move the others with this one"
     " held: that separates its own {inertia} from theirs."
@@ -91,6 +90,13 @@ def measurement_sentence(found: NextMeasurement | None, axis: AxisKind) -> str:
     return first + _SENTENCES[found.code](found, axis)
 
 
+def _correct(found: NextMeasurement) -> str:
+    lines = "; ".join(found.mends)
+    return (
+        f"Correct the rig file first: write {lines}." if lines else "Correct the rig file or the log first."
+    )
+
+
 def _vary(found: NextMeasurement, axis: AxisKind) -> str:
     if found.variable in _MEASUREMENTS:
         return axis.filled(_MEASUREMENTS[found.variable])
@@ -109,7 +115,7 @@ def _separate(found: NextMeasurement, axis: AxisKind) -> str:
 
 
 _SENTENCES = {
-    "correct": lambda found, axis: _CORRECT,
+    "correct": lambda found, axis: _correct(found),
     "vary": _vary,
     "separate": _separate,
     "hold_others": lambda found, axis: axis.filled(_HOLD_OTHERS),
