@@ -205,6 +205,10 @@ def test_what_stands_for_nothing_is_no_parameter(tmp_path: Path) -> None:
     assert {"R", "k_e", *found.parameters} == set(vars(found.module.Parameters()))
     assert (1.0, 0.0) == (found.module.Parameters().R, found.module.Parameters().k_e)
     assert "k_e: float = runtime.nonnegative(0.0," in module.read_text(encoding="utf-8")
+    for one in (found, eccentric.diagnose(LOG, rig, only="stribeck")):
+        sets = one.samples(2)
+        assert set(one.parameters) == set(sets)
+        one.module.Parameters(**{name: float(x[0]) for name, x in sets.items()})
 
 
 def test_it_is_drawn_on_two_axes_or_on_one(result: FitResult) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, names_given, sources_of
-from eccentric.api.result import Result, fitted_model, speeds_of
+from eccentric.api.result import Result, fitted_model, placeholders_of, speeds_of
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, given_path, whole_file, whole_folder
 from eccentric.diagnosis import (
@@ -127,7 +127,7 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
         origin="model.py",
         estimates=estimates,
         fitted=fitted,
-        draws=draws_of_refit(found.result),
+        draws=draws_of_refit(found.result).without(placeholders_of(found.result)),
         script=script(found),
         own={**own} | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
         warnings=tuple(document["warnings"]),

@@ -149,16 +149,22 @@ def fitted_model(
     """The fitted model of a fit; `parameters` are those that a `Fit` is emitted with."""
     if isinstance(found, Refit):
         values, names, covariance = found.values, found.estimates, found.covariance
-        placeholders = found.data.drive.placeholders - set(found.estimates)
     else:
         values, covariance = parameters or {}, found.spread.matrix
         names = (*found.coefficients, *found.searched)
-        placeholders = emitted_parameters(found)[2]
+    placeholders = placeholders_of(found)
     return FittedModel(
         {axis.named(name): float(x) for name, x in values.items() if name not in placeholders},
         LabelledMatrix([axis.named(name) for name in names], covariance),
         fitted_drive(found, parameters),
     )
+
+
+def placeholders_of(found: Fit | Refit) -> set[str]:
+    """Letters neither known nor identified: the emitted code has values for them that mean nothing."""
+    if isinstance(found, Refit):
+        return found.data.drive.placeholders - set(found.estimates)
+    return emitted_parameters(found)[2]
 
 
 class ResultBase:
@@ -389,7 +395,8 @@ class Result(Printed):
             seed: of the random numbers; the same seed gives the same sets.
 
         Returns:
-            Every parameter of the model by name: (n,) in SI units, as the emitted Parameters take them.
+            The parameters by name: (n,) in SI units, as the emitted Parameters take them. As in `parameters`,
+            those that are neither known nor identified are left out.
 
         Raises:
             InputError: n is no whole number of at least 1.

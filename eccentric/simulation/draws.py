@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,7 @@ class Draws:
         covariance: of their errors (k, k), 0 for a value at a bound.
         lower, upper: bounds (k,).
         reach: (k,) how far a value at a bound may be from it, 95 % interval; 0 for all others.
-        parameters: every parameter of the model as it was fitted.
+        parameters: those of the model as it was fitted.
         drawn: those that follow from the values.
         scale: place of the scale of the drive among the values; None without one.
     """
@@ -51,6 +51,12 @@ class Draws:
     parameters: Mapping[str, float]
     drawn: tuple[Drawn, ...]
     scale: int | None = None
+
+    def without(self, names: Collection[str]) -> Draws:
+        """The same without these parameters, such as those that are neither known nor identified."""
+        parameters = {name: x for name, x in self.parameters.items() if name not in names}
+        drawn = tuple(one for one in self.drawn if one.parameter not in names)
+        return replace(self, parameters=parameters, drawn=drawn)
 
     def samples(self, count: int, seed: int) -> dict[str, Array]:
         """Parameter sets: name -> (count,).
