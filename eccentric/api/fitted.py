@@ -157,7 +157,7 @@ class FitResult(Result):
         return self._write(out, "fit")
 
     def __repr__(self) -> str:
-        errors = ", ".join(f"{name} {x:.4g}" for name, x in reversed(self.comparison.rmse.items()))
+        errors = ", ".join(f"{name} {x:.4g}" for name, x in sorted(self.comparison.rmse.items()))
         return f"<FitResult: {self.base.name}, held-out RMSE [{self.unit}] {errors}>"
 
     def _repr_html_(self) -> str:
