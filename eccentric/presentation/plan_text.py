@@ -169,12 +169,14 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         if plan.probability < DECIDES and plan.otherwise:
             said.append(f"To settle it: {measurement_sentence(plan.otherwise, plan.axis)}")
     else:
-        said += [
-            f"  {axis.named(name)}: standard error falls to {100 * part:.0f} % of its value from the log"
-            if part < HARDLY
-            else f"  {axis.named(name)}: standard error hardly changes"
-            for name, part in plan.narrower.items()
-        ]
+        for name, part in plan.narrower.items():
+            falls = (
+                f"falls to {100 * part:.0f} % of its value from the log"
+                if part < HARDLY
+                else "hardly changes"
+            )
+            meaning = axis.text(plan.meanings.get(name, ""))
+            said.append(f"  {axis.named(name)}{f' ({meaning})' if meaning else ''}: standard error {falls}")
         if min(plan.narrower.values(), default=0.0) > HARDLY:
             said.append("Hardly any motion within these limits adds to this log: widen them.")
     moved, bounds = plan.motion, plan.bounds
