@@ -200,6 +200,17 @@ def test_the_live_model_can_be_derived_further(result: DiagnosisResult) -> None:
     assert 1e-4 * 20.0**2 == pytest.approx(after - before, rel=1e-9)
 
 
+def test_the_table_names_the_sum_of_which_an_inertia_is_a_part() -> None:
+    """The log identifies J_m + mu^2 J_l alone."""
+    log, rig = with_known("C2", unknown={})
+    for name in ("J_m_kgm2", "J_l_kgm2"):
+        del rig["known"][name]
+    table = eccentric.diagnose(log, rig, only="stribeck").table()
+    origins = dict(zip(table["name"], table["origin"], strict=True))
+
+    assert {origins["J_m"], origins["J_l"]} == {"part of J_m + mu^2 J_l"}
+
+
 def test_tables_have_parameters_and_candidates(result: DiagnosisResult) -> None:
     """The parameters of the effect come first, with their errors; the candidates best first."""
     table, candidates = result.table(), result.candidates()

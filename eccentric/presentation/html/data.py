@@ -112,7 +112,7 @@ class Parameter:
 
     Attributes:
         name, meaning, unit, value: as the emitted code has them.
-        origin: "effect" (fitted, of an adopted effect), "friction" (fitted), "bench" (estimated jointly),
+        origin: "effect" (fitted, of an adopted effect), "friction" (fitted), "estimated" (jointly),
             "part" (identified only in combination), "rig" (known beforehand), "model" (its own value) or
             "unseen" (nothing in the log depends on it).
         std_error, interval: None where it was not estimated.

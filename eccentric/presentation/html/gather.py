@@ -245,7 +245,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
     return [*facts, Fact("sensor noise", f"{noise:.3g} {unit}", remark)]
 
 
-_ORIGINS = ("effect", "friction", "bench", "part", "rig", "model", "unseen")
+_ORIGINS = ("effect", "friction", "estimated", "part", "rig", "model", "unseen")
 
 
 # The records of a report.
@@ -474,7 +474,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
             ("effect", own),
             ("friction", friction),
             ("part", shared),
-            ("bench", given),
+            ("estimated", given),
             ("rig", found.rig.known),
             ("model", found.data.drive.known.keys() - {known.name for known in KNOWNS}),
         )
@@ -484,7 +484,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
             continue
         if q.name in placeholders - set(estimates) and origin != "effect":
             continue
-        fitted = origin in {"effect", "friction", "bench"}
+        fitted = origin in {"effect", "friction", "estimated"}
         unit = in_drive_unit(q.unit, found.unit) if fitted else q.unit
         own_letter = letters[axis.named(q.name)]
         letter, unit = typeset(own_letter.symbol), axis.unit(unit)

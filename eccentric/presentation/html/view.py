@@ -34,7 +34,7 @@ from eccentric.presentation.html.text import (
 _ORIGINS = {
     "effect": "fitted, new",
     "friction": "fitted",
-    "bench": "estimated jointly",
+    "estimated": "estimated jointly",
     "part": "only {} is identified",
     "model": "model default, not fitted",
     "unseen": "a placeholder: nothing in this log depends on it",
