@@ -221,9 +221,9 @@ class DiagnosisResult(Result):
     def table(self) -> ResultTable:
         """The parameters of the extended model: value, standard error, 95 % interval, unit, bound, origin.
 
-        The origin is "effect" or "friction" (fitted), "estimated" (jointly with them), "part of J_m + mu^2 J_l"
-        or another combination (which alone is identified), "rig" (known), "model" (the base model's own value,
-        not fitted) or "unseen" (nothing in the log depends on it). Motor constants that are neither
+        The origin is "effect" or "friction" (fitted), "estimated" (jointly with them), "part of J_m + mu^2
+        J_l" or another combination (which alone is identified), "rig" (known), "model" (the base model's own
+        value, not fitted) or "unseen" (nothing in the log depends on it). Motor constants that are neither
         known nor identified are left out.
         """
         names = ("name", "value", "std_error", "lower", "upper", "unit", "bound", "origin")
