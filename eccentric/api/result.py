@@ -220,7 +220,7 @@ class ResultBase:
     def prediction(
         self, logs: LogSources, rig: RigSource | None = None, model: str | None = None
     ) -> ResultTable:
-        """The drive of logs as the fitted model predicts it, a row for each row that errors are taken on.
+        """The drive of logs as the fitted model predicts it, by row of the log or average of rows.
 
         Args:
             logs: one log or a list of them, as `fit` takes them: of the fit, or others of the same rig.
@@ -231,7 +231,8 @@ class ResultBase:
         Returns:
             Columns (m,): `time` [s]; `measured`, `predicted` and `residual`, their difference, in the unit of
             the result's errors: the drive torque, of a coast-down that which decelerates it; `held_out`,
-            whether the row is in the held-out part.
+            whether the row is in the held-out part; `used`, whether it is fitted or held out. Other rows,
+            at standstill or next to a reversal, a gap or an end of the log, are in no error of the result.
 
         Raises:
             InputError: nothing was fitted; a log cannot be read, or lacks a signal that the model takes.
@@ -243,6 +244,7 @@ class ResultBase:
             "predicted": found.predicted,
             "residual": found.residual,
             "held_out": found.held_out,
+            "used": found.used,
         }
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
         return ResultTable(tuple(columns), tuple(rows))

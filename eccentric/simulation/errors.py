@@ -230,7 +230,9 @@ class Predicted:
     Attributes:
         t: time [s] (m,).
         measured, predicted: of a coast-down, what its deceleration gives and what friction gives (m,).
-        held_out: rows (m,) that a fit of this log would not use.
+        held_out: rows (m,) that a fit of this log would not use, but be judged by.
+        used: rows (m,) that are fitted or held out: not those at standstill, next to a reversal, a gap or an
+            end of the log, where the low pass has not settled.
         unit: "N m" ("N" on a carriage), or that of the drive signal where the log has no scale for a torque.
     """
 
@@ -238,6 +240,7 @@ class Predicted:
     measured: Array
     predicted: Array
     held_out: NDArray[np.bool_]
+    used: NDArray[np.bool_]
     unit: str
 
     @property
@@ -287,9 +290,9 @@ class FittedDrive:
         residuals = data.residuals(self.model, values, values, self.scale)
         measured = data.rows.mean(drive.driven_by(values, self.scale))
         left = residuals.rows("mechanical", values)
-        return Predicted(
-            data.rows.t, self.factor * measured, self.factor * (measured - left), data.rows.score, self.unit
-        )
+        rows = data.rows
+        predicted, used = self.factor * (measured - left), rows.train | rows.score
+        return Predicted(rows.t, self.factor * measured, predicted, rows.score, used, self.unit)
 
 
 def fitted_drive(found: Fit | Refit, parameters: Mapping[str, float] | None = None) -> FittedDrive:
