@@ -112,6 +112,7 @@ def sample(n: int = 5000, runs: int = 1, text: str = "", unit: str = "N m", **ch
                     f"someone{text}",
                     "12.0 % of the friction",
                     f"a shaft that wobbles{text}",
+                    follows=(rows.channels[1],),
                 ),
             ),
             parameters=(

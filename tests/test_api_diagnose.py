@@ -19,8 +19,10 @@ from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Setting, library
 from eccentric.emission import complete, load_module
 from eccentric.model import with_values
+from eccentric.virtual_bench import simulate
 from generated import c2_parallel
 from tests.extended import effects
+from tests.virtual import drawn_scenario
 
 BENCH = Path(__file__).parents[1] / "examples" / "bench"
 LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
@@ -38,6 +40,47 @@ def result(stages: list[str]) -> DiagnosisResult:
     rig = json.loads(RIG.read_text(encoding="utf-8"))
     table: Mapping[str, Any] = eccentric.read_log(LOG).columns
     return eccentric.diagnose(table, rig, progress=stages.append)
+
+
+def without_friction() -> tuple[dict[str, Any], dict[str, Any]]:
+    """A drive that speeds itself up a little, in a level plane."""
+    t = np.arange(0.0, 40.0, 0.004)
+    theta = 9.0 * np.sin(0.9 * t) + 4.0 * np.sin(2.3 * t) + 0.02 * t
+    omega = 8.1 * np.cos(0.9 * t) + 9.2 * np.cos(2.3 * t) + 0.02
+    alpha = -7.29 * np.sin(0.9 * t) - 21.16 * np.sin(2.3 * t)
+    noise = np.random.default_rng(5).normal(0.0, 0.002, len(t))
+    torque = 0.04 * alpha - 1e-4 * omega - 0.002 * np.sign(omega) + noise
+    known = {"case": "C1", "mu": 1, "J_m": "0 kg m^2", "J_l": "0.04 kg m^2"}
+    known |= {"M": "0.5 kg", "M_l": "0.2 kg", "L": "0.25 m"}
+    return {"time_s": t, "theta_m_rad": theta, "torque_Nm": torque}, {"known": known}
+
+
+def with_known(case: str, *, unknown: Mapping[str, Any], **known: float) -> tuple[Any, dict[str, Any]]:
+    """A log of the bench driven by current, and its rig with other values, or ranges in their place."""
+    run = simulate(drawn_scenario(3, case=case))
+    values = {k: x for k, x in run.rig["known"].items() if k.partition("_kg")[0] not in unknown}
+    columns = [name for name in run.rig["columns"] if name != "voltage_V"]
+    return run.columns, run.rig | {"known": values | known, "unknown": unknown, "columns": columns}
+
+
+WARNED = {
+    "the fit leaves no friction": without_friction,
+    "no unbalanced mass": lambda: with_known("C1", unknown={}, M_kg=0.0),
+    "M_l is known only as a range": lambda: with_known("C2", unknown={"M_l": ["0.1 kg", "0.3 kg"]}),
+}
+
+
+@pytest.mark.parametrize("warning", WARNED)
+def test_it_warns_of_what_a_fit_warns_of(warning: str) -> None:
+    """In the object, in the document and in the report."""
+    log, rig = WARNED[warning]()
+    found = eccentric.diagnose(log, rig, only="stribeck")
+    fitted = eccentric.fit(log, rig).warnings
+
+    assert any(text.startswith(warning) for text in fitted)
+    assert set(fitted) == set(found.warnings) == set(found.document["warnings"])
+    findings = {finding.text for finding in found.data.log.findings}
+    assert set(fitted) - findings == set(found.data.log.warnings)
 
 
 def extended(family: str) -> Model:
@@ -155,6 +198,17 @@ def test_the_live_model_can_be_derived_further(result: DiagnosisResult) -> None:
     before, after = (m.mechanical_friction_torque(0.3, 20.0) for m in (result.module, load_module(further)))
 
     assert 1e-4 * 20.0**2 == pytest.approx(after - before, rel=1e-9)
+
+
+def test_the_table_names_the_sum_of_which_an_inertia_is_a_part() -> None:
+    """The log identifies J_m + mu^2 J_l alone."""
+    log, rig = with_known("C2", unknown={})
+    for name in ("J_m_kgm2", "J_l_kgm2"):
+        del rig["known"][name]
+    table = eccentric.diagnose(log, rig, only="stribeck").table()
+    origins = dict(zip(table["name"], table["origin"], strict=True))
+
+    assert {origins["J_m"], origins["J_l"]} == {"part of J_m + mu^2 J_l"}
 
 
 def test_tables_have_parameters_and_candidates(result: DiagnosisResult) -> None:

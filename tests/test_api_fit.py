@@ -1,8 +1,10 @@
 """`eccentric.fit`: one result whatever holds the log, the one of the command, and all that it becomes."""
 
+import dataclasses
 import gzip
 import json
 import pickle
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -17,8 +19,11 @@ from matplotlib.axes import Axes
 import eccentric
 from eccentric import FitResult, InputError, Log, Model, cli
 from eccentric.effects import constant_load
+from eccentric.model import TURNING, load_model
 from eccentric.signals import read_channels
+from eccentric.virtual_bench import simulate
 from tests.extended import effects
+from tests.virtual import drawn_scenario
 
 BENCH = Path(__file__).parents[1] / "examples" / "bench"
 LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
@@ -200,6 +205,10 @@ def test_what_stands_for_nothing_is_no_parameter(tmp_path: Path) -> None:
     assert {"R", "k_e", *found.parameters} == set(vars(found.module.Parameters()))
     assert (1.0, 0.0) == (found.module.Parameters().R, found.module.Parameters().k_e)
     assert "k_e: float = runtime.nonnegative(0.0," in module.read_text(encoding="utf-8")
+    for one in (found, eccentric.diagnose(LOG, rig, only="stribeck")):
+        sets = one.samples(2)
+        assert set(one.parameters) == set(sets)
+        one.module.Parameters(**{name: float(x[0]) for name, x in sets.items()})
 
 
 def test_it_is_drawn_on_two_axes_or_on_one(result: FitResult) -> None:
@@ -215,6 +224,45 @@ def test_it_is_drawn_on_two_axes_or_on_one(result: FitResult) -> None:
     for axes in (left, right, *given):
         assert result.comparison.speed.shape == np.shape(axes.lines[0].get_xdata())
     assert "motor velocity [rad/s]" == right.get_xlabel() == given[1].get_xlabel()
+    plt.close("all")
+
+
+def test_labels_of_the_figure_overlap_neither_each_other_nor_another_axes(result: FitResult) -> None:
+    """On a figure of somebody's own, without a layout and half as wide as that of the file."""
+    figure, given = plt.subplots(1, 2)
+    result.plot(given)
+    figure.canvas.draw()
+    for axes in given:
+        legend = axes.get_legend().get_window_extent()
+        assert axes.get_window_extent().containsx(legend.x0)
+        assert axes.get_window_extent().containsx(legend.x1)
+        assert axes.get_window_extent().containsy(legend.y1)
+    assert figure.get_suptitle() == ""
+    assert "held-out rows" in given[0].get_title(loc="left")
+    plt.close("all")
+
+
+def with_coulomb_first(model: Model) -> Model:
+    """A turning drive with the friction of the model of a carriage, its terms in the other order."""
+    mechanical, *others = model.balances
+    terms = sorted(mechanical.terms, key=lambda term: term.name != "coulomb")
+    balances = (dataclasses.replace(mechanical, terms=tuple(terms)), *others)
+    return dataclasses.replace(model, name="plain", axis=TURNING, balances=balances)
+
+
+@pytest.mark.parametrize("called", ["Coulomb + viscous", "plain"])
+def test_coulomb_and_viscous_friction_is_not_compared_with_itself(called: str) -> None:
+    """Neither a bundled model without a mass nor a derivation of somebody's own, in whatever order."""
+    run = simulate(drawn_scenario(3, case="C1"))
+    rig = run.rig | {"known": run.rig["known"] | {"M_kg": 0.0}}
+    model = with_coulomb_first(load_model("linear_axis")) if called == "plain" else None
+    found = eccentric.fit(run.columns, rig, model)
+    (line,) = (line for line in found.lines if line.startswith("held-out RMSE"))
+    errors = f"{re.escape(called)} [0-9.]+"
+
+    assert re.fullmatch(rf"held-out RMSE \[N m\]: {errors}; R\^2 of the drive torque: {errors}", line)
+    assert "The model, Coulomb + viscous friction, leaves" in found.sentence
+    assert [called] == [text.get_text().split("\n")[0] for text in found.plot()[0].get_legend().get_texts()]
     plt.close("all")
 
 

@@ -125,6 +125,19 @@ def test_a_log_is_predicted_with_the_error_that_the_fit_names(known: dict[str, s
     np.testing.assert_array_equal(found["predicted"], result.predict(log))
 
 
+def test_rows_that_count_in_no_error_are_marked(made: Callable[[str], Any]) -> None:
+    """All rows of the log are predicted; at its ends, where the low pass has not settled, none is used."""
+    result = made("fit")
+    found = result.prediction(LOG)
+    used, held_out = (np.array(found[name]) for name in ("used", "held_out"))
+    rows = result.document["rows"]
+
+    assert (rows["read"], rows["used"]) == (len(used), np.count_nonzero(used))
+    assert not (held_out & ~used).any()
+    assert not used[:5].any()
+    assert not used[-5:].any()
+
+
 @pytest.mark.parametrize("name", ["paper", "linear"])
 def test_every_model_of_a_diagnosis_predicts(name: str, made: Callable[[str], Any]) -> None:
     """A model of it by its name; the residual has the error of the result."""

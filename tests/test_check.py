@@ -166,6 +166,9 @@ def test_a_unit_in_the_name_of_a_column_is_not_printed_twice() -> None:
     assert "time [s] [s]" not in summary
     assert "x [m] [m]" not in summary
     assert "force (N) [N]" not in summary
+    described = eccentric.describe_log(renamed).summary()
+    assert "clock: time [s], " in described
+    assert "\n  x [m]: " in described
 
 
 def test_a_column_that_is_constant_in_each_run_is_hinted_at() -> None:

@@ -21,7 +21,7 @@ import pytest
 from eccentric.cli import main
 from eccentric.diagnosis import Diagnosis, SearchRequest, diagnose
 from eccentric.emission import executed
-from eccentric.presentation import diagnosis_document, diagnosis_sentence
+from eccentric.presentation import diagnosis_document, diagnosis_lines, diagnosis_sentence
 from eccentric.presentation.html.gather import report_data
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
@@ -185,7 +185,8 @@ def test_a_wrong_constant_of_the_rig_is_told_as_what_it_is(tmp_path: Path, k_e: 
     rig = rig_with(tmp_path, ('k_e = "0.063 V s/rad"', f'k_e = "{k_e} V s/rad"'))
     mismatches = "ke_mismatch", "resistance_mismatch", "ki_mismatch", "mass_mismatch", "inertia_mismatch"
     few = SearchRequest(only=(*mismatches, "link_harmonic_friction", "kt_ripple", "stribeck", "cogging"))
-    said = diagnosis_sentence(diagnose([LOG], rig, request=few if k_e == "0.05" else None))
+    found = diagnose([LOG], rig, request=few if k_e == "0.05" else None)
+    said = diagnosis_sentence(found)
     (value,) = re.findall(
         rf"k_e should be (\S+) V s/rad; the rig file has {k_e} V s/rad \(ke_mismatch,", said
     )
@@ -193,6 +194,9 @@ def test_a_wrong_constant_of_the_rig_is_told_as_what_it_is(tmp_path: Path, k_e: 
     # The bench has 0.063 V s/rad; its encoder and its low pass cost some per mille.
     assert float(value) == pytest.approx(0.063, rel=5e-3)
     assert 1 == said.lower().count("k_e")
+    start, times = f'to correct in the rig file: k_e = "{value} V s/rad", ', " times the declared value"
+    (line,) = (line for line in diagnosis_lines(found) if line.startswith(start))
+    assert float(line[len(start) :].removesuffix(times)) == pytest.approx(float(value) / float(k_e), rel=1e-3)
 
 
 # What `eccentric diagnose` writes: its figures, and code that gives the error it reports.

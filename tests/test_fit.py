@@ -385,7 +385,8 @@ def test_z_of_what_is_not_detected_is_that_of_the_estimate_once_it_is_there() ->
         assert said[name]["reference"] == value
         assert said[name]["upper_95"] < value
         assert said[name]["z"] == pytest.approx(found.value / found.std_error, rel=0.3)
-        assert any(line.startswith(f"{name} is not detected: at most") for line in without.lines)
+        (line,) = (line for line in without.lines if line.startswith(f"{name} is not detected: at most"))
+        assert f"; the paper's Table 1 has {value} {found.unit}, which would be" in line
     assert "undetected" not in beside.document
 
 

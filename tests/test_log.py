@@ -62,7 +62,10 @@ BAD = {
     "bytes.csv": (b"t,\x01\xe4\n1,2\n", "bytes.csv: expected UTF-8 text, but byte 3 is not"),
     "cut.csv.gz": (CUT_OFF, "cut.csv.gz: the compressed file is damaged or cut off"),
     "plain.csv.gz": (TEXT.encode(), "plain.csv.gz: the compressed file is damaged or cut off"),
-    "log.odt": (b"PK", "log.odt: expected a log of .csv, .txt, .dat, .tsv, .log, .asc, .csv.gz,"),
+    "log.odt": (
+        b"PK",
+        "log.odt: expected a log such as .csv, .mat or .parquet (docs/rig-reference.md lists all formats),",
+    ),
     "noise.mat": (b"x" * 200, "noise.mat: expected a valid MAT file, got a text that begins with 'xxxxx"),
     "noise.parquet": (
         b"x" * 200,

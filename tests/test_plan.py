@@ -34,7 +34,7 @@ from eccentric.planning import (
 )
 from eccentric.planning.limits import MARGIN, UNDECIDED
 from eccentric.planning.motion import Reference, joined, pieces
-from eccentric.planning.outcome import Heavier, decided
+from eccentric.planning.outcome import Heavier, _names, decided
 from eccentric.planning.question import Rival
 from eccentric.planning.separation import Ground, Separation
 from eccentric.presentation import diagnosis_document, plan_lines
@@ -351,6 +351,25 @@ def test_a_current_that_moves_nothing_is_refused(contest: Separation) -> None:
         planned(contest.question, read_bounds({**LIMITS, "current_A": 1e-3}))
     needed = float(re.findall(r"motion, ([0-9.e-]+) A", str(error.value))[0])
     planned(contest.question, read_bounds({**LIMITS, "current_A": 1.5 * needed}))
+
+
+def test_a_coefficient_is_named_as_a_fit_names_it(
+    plan: MeasurementPlan, bundled: tuple[Diagnosis, Path]
+) -> None:
+    """A harmonic has two of them: the line says which is the cosine's and which the sine's."""
+    question = question_of(bundled[0])
+    names = _names(question, question.rivals[0])
+    parts = {name: f"torque with {part}" for name, part in zip(names[-2:], ("cos", "sin"), strict=True)}
+    shown = dict(zip((names[0], *parts), (0.5, 0.4, 0.99), strict=True))
+    alone = replace(plan, rivals=plan.rivals[:1], probability=None, narrower=shown, meanings=parts)
+
+    assert names == [name for name in bundled[0].models.extended.estimates if name in names]
+    assert names[-2:] == ["link_harmonic_c2", "link_harmonic_s2"]
+    assert plan_lines(alone)[1:4] == [
+        "  B_lN: standard error falls to 50 % of its value from the log",
+        "  link_harmonic_c2 (torque with cos): standard error falls to 40 % of its value from the log",
+        "  link_harmonic_s2 (torque with sin): standard error hardly changes",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -15,10 +15,13 @@ from numpy.typing import NDArray
 
 from eccentric.api import fit
 from eccentric.core import InputError
+from eccentric.model import TURNING
 from eccentric.rigs import read_rig
 from eccentric.signals import Finding, read_channels
+from eccentric.signals.quality.causes import Logged, single_cause
 from eccentric.signals.quality.findings import Record, _steady
 from eccentric.signals.quality.limits import FROZEN_ROWS
+from eccentric.signals.quality.ratios import Ratio
 from eccentric.virtual_bench import BenchRun, random_scenario, simulate
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -224,6 +227,16 @@ DAMAGE: dict[str, Damage] = {
         *({}, "zero_angle", "theta_m", "set theta_zero_rad = "),
     ),
 }
+
+
+def test_gravity_alone_says_by_which_factor_k_i_may_be_off() -> None:
+    """With a current the same factor is in k_i, unless the inertia of the rig is right."""
+    gravity = Ratio.of("M g L", 1340.0, 1.0, 0.268, TURNING)
+    inertia = Ratio.of("J", 0.0018, 1e-5, 0.0018, TURNING)
+    logged = Logged("current", 0.2, angle=True)
+
+    assert single_cause(gravity, logged, [gravity]) == (" (or is k_i off by a factor of 5000?)", None)
+    assert single_cause(gravity, logged, [gravity, inertia]) == ("", None)
 
 
 @pytest.mark.parametrize("name", DAMAGE)

@@ -1,6 +1,7 @@
 """What `eccentric diagnose` writes of a diagnosis: its record, the report, the model's script, checked C."""
 
 import ast
+import re
 import shlex
 import shutil
 import subprocess
@@ -12,10 +13,16 @@ import pytest
 
 from eccentric.cli import diagnose as command
 from eccentric.cli import main
-from eccentric.diagnosis import Diagnosis, script
+from eccentric.diagnosis import Diagnosis, diagnose, script
+from eccentric.logs import read_log
 from eccentric.presentation.html import report_data
 from eccentric.presentation.html.gather import facts_of
+from eccentric.presentation.html.panels import leading_panel
+from eccentric.presentation.html.pictures import drive_picture
+from eccentric.rigs import read_rig
+from eccentric.virtual_bench import simulate
 from tests.page_reader import Reader
+from tests.virtual import drawn_scenario
 
 ROOT = Path(__file__).resolve().parent.parent
 LOG, RIG = ROOT / "examples" / "bench" / "bench.csv.gz", ROOT / "examples" / "bench" / "bench.json"
@@ -61,6 +68,40 @@ def test_no_name_of_a_log_is_run(found: Diagnosis) -> None:
 
     assert [ast.dump(node) for node in before.body[1:]] == [ast.dump(node) for node in after.body[1:]]
     assert "print(1)" in (ast.get_docstring(after) or "")
+
+
+def test_the_first_picture_is_below_the_low_pass_over_a_period_of_the_effect(found: Diagnosis) -> None:
+    """Held-out errors there are those of the score; fitted rows have passed the low pass already."""
+    data, score = report_data(found), found.score.below
+    balance, (effect,) = data.errors.balances[0], data.extended.effects
+    below = balance.below
+    assert score is not None
+    assert below.extended is not None
+    held, train = balance.rows.held_out, balance.rows.train
+    errors = [float(np.sqrt(np.mean(x[held] ** 2))) for x in (below.paper, below.extended)]
+
+    assert errors == pytest.approx([score.before, score.after], rel=1e-12)
+    assert np.array_equal(below.paper[train], balance.paper[train])
+    assert [("link_angle", 2 * np.pi), ("link_angle", pytest.approx(np.pi))] == [
+        (c.key, c.period) for c in effect.follows
+    ]
+
+
+@pytest.mark.slow
+def test_a_ripple_that_most_rows_are_too_slow_for_shows_over_its_period() -> None:
+    """Row by row the extended model adds error at high speed; the first pictures show what it explains."""
+    run = simulate(drawn_scenario(5, effects=(("kt_ripple[n=6]", 0.3),), mu=1.0 / 30.0, seconds=40.0))
+    data = report_data(diagnose([read_log(run.columns)], read_rig(run.rig)))
+    (first,) = (b for b in data.errors.balances if b.name == data.extended.effects[0].balance)
+    panel = leading_panel(first.below, data.extended.effects[0].follows)
+    drive = drive_picture(next(b for b in data.errors.balances if b.drive is not None))
+    assert panel is not None
+    assert drive is not None
+    before, after = map(float, re.findall(r"([0-9.]+) A \(", drive.caption))
+
+    assert panel.channel.period == pytest.approx(2 * np.pi / 6)
+    assert panel.curves["after"].swing < 0.3 * panel.curves["before"].swing
+    assert after < 0.3 * before
 
 
 def test_the_record_says_what_the_diagnosis_found(found: Diagnosis) -> None:

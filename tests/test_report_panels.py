@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from eccentric.presentation.html.arrays import BalanceResiduals, Channel
-from eccentric.presentation.html.panels import POINTS, Panel, friction_panel, residual_panel, trace
+from eccentric.presentation.html.panels import (
+    POINTS,
+    Panel,
+    friction_panel,
+    leading_panel,
+    residual_panel,
+    trace,
+)
 from tests.reported import balance_of, rows_of
 
 
@@ -26,6 +33,22 @@ def test_every_moving_row_is_in_a_bin_or_counted(n: int, key: str) -> None:
     panel = drawn_over(balance_of(rows_of(n)), key)
 
     assert n == panel.rows.sum() + panel.left_out
+
+
+def test_the_leading_panel_is_over_one_period_where_the_effect_has_one() -> None:
+    """Sixty bins of a turn blur 24 periods; a bump at one angle is only seen over the whole turn."""
+    rows = rows_of(40000)
+    turn = rows.channels[1]
+    part = replace(turn, period=2 * np.pi / 24)
+    ripple, bump = np.sin(24 * turn.values), np.exp(20 * (np.cos(turn.values - 2.0) - 1.0))
+
+    for effect, expected in ((ripple, part), (bump, turn)):
+        balance = replace(balance_of(rows), paper=effect, extended=0.0 * effect)
+        panel = leading_panel(balance, (turn, part))
+        assert panel is not None
+        assert panel.channel == expected
+    none = replace(rows, train=np.zeros(40000, bool), held_out=np.zeros(40000, bool))
+    assert leading_panel(replace(balance_of(rows), rows=none), (turn, part)) is None
 
 
 def test_bars_are_quantiles_of_the_rows_of_their_bin() -> None:

@@ -10,11 +10,14 @@ import numpy as np
 import pytest
 
 import eccentric.presentation.html as package
+from eccentric.model import TURNING
 from eccentric.presentation.html.arrays import BalanceResiduals, DriveSignal, runs_apart, runs_of
 from eccentric.presentation.html.data import Correlations, ReportData
-from eccentric.presentation.html.simulated import simulated
+from eccentric.presentation.html.panels import residual_panel
+from eccentric.presentation.html.pictures import drive_picture, residual_picture
 from eccentric.presentation.html.text import headline
-from tests.reported import HOSTILE, RIVAL, nothing_missing, sample
+from eccentric.presentation.html.view import view
+from tests.reported import HOSTILE, RIVAL, changed, nothing_missing, sample
 
 
 def with_balance(data: ReportData, balance: BalanceResiduals) -> ReportData:
@@ -116,7 +119,7 @@ def points(lines: list[tuple[str, str]], kind: str) -> np.ndarray:
 def test_the_drawn_drive_is_measured_less_the_residual() -> None:
     """In the unit of the drive: what the lines are apart is the gain times the residual, on their scale."""
     balance = driven(sample().errors.balances[0])
-    found = simulated(balance)
+    found = drive_picture(balance)
     assert found is not None
     upper = {kind: points(found.lines, kind) for kind in ("measured", "extended")}
     count = len(upper["measured"])
@@ -132,15 +135,39 @@ def test_the_drawn_drive_is_measured_less_the_residual() -> None:
     assert " A (" in found.caption
 
 
-def test_the_plain_install_has_this_figure_and_no_captions_of_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without Bokeh there is one picture, drawn in the page, and the sections of the others are gone."""
+def test_the_plain_install_has_these_figures_and_no_captions_of_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without Bokeh there are two pictures, drawn in the page: the effect over what it follows, then time."""
     data = sample()
     page = shown(with_balance(data, driven(data.errors.balances[0])), monkeypatch)
 
-    assert 1 == page.count("<svg")
-    assert "Measured and predicted" in page
-    assert 1 == page.count("<figcaption")
+    assert 2 == page.count("<svg")
+    first, second = (
+        page.index(heading) for heading in ("Residual before and after", "Measured and predicted")
+    )
+    assert first < page.index("link angle [rad]") < second < page.index("time [s]")
+    assert 2 == page.count("<figcaption")
     assert "Residual versus each channel" not in page
+
+
+def test_the_first_picture_is_the_residual_over_what_the_effect_follows() -> None:
+    """Its lines are the means of the panel; with no effect found, it is over what the residual depends on."""
+    data = sample()
+    balance = data.errors.balances[0]
+    panel = residual_panel(balance, balance.rows.channels[1])
+    assert panel is not None
+    found = residual_picture(panel, balance, TURNING)
+    marks = [(float(y), float(label.replace("−", "-"))) for y, label in found.grid]
+    (y0, v0), *_, (y1, v1) = marks
+    plain = changed(data, verdict="unexplained", effects=(), depends_on=("current",))
+
+    for kind, curve in (("paper", "before"), ("extended", "after")):
+        drawn = v0 + (points(found.lines, kind)[:, 1] - y0) * (v1 - v0) / (y1 - y0)
+        assert drawn == pytest.approx(panel.curves[curve].middle, abs=2e-4)
+    assert ["0", "π/2", "π", "3π/2", "2π"] == [label for _, label in found.ticks]
+    assert view(plain, "")["follows"][1][0].below == "current [A]"
+    assert view(nothing_missing(changed(data, depends_on=())), "")["follows"] is None
 
 
 def correlated(**changes: Any) -> ReportData:

@@ -344,6 +344,7 @@ def test_the_next_measurement_is_that_of_the_verdict(
         (replace(BETWEEN, constant_first=True), "Declare k_i under [known] first"),
         (replace(BETWEEN, one_way=True), "Log both directions first"),
         (NextMeasurement("correct"), "Correct the rig file or the log first."),
+        (NextMeasurement("correct", mends=('k_i = "1 N m/A"',)), 'first: write k_i = "1 N m/A".'),
         (NextMeasurement("hold_others"), "with the others held"),
         (None, ""),
     ],

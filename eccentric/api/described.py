@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from eccentric.api.result import ResultBase
-from eccentric.api.tables import ResultTable
+from eccentric.api.tables import ResultTable, with_unit
 from eccentric.core import InputError, counted
 from eccentric.drafting import clock_in
 from eccentric.logs import Log, LogSource, format_of, read_log
@@ -63,13 +63,13 @@ class LogDescription(ResultBase):
         if self.clock:
             name, unit, rate = self.clock
             doubt = f" ({self.clock_doubt})" if self.clock_doubt else ""
-            yield f"  clock: {name} [{unit}], {rate:.4g} rows/s{doubt}"
+            yield f"  clock: {with_unit(name, unit)}, {rate:.4g} rows/s{doubt}"
         else:
             yield f"  no clock: {self.clock_doubt}"
         for name, (unit, low, high, missing) in list(self.numbers.items())[:_MOST_COLUMNS]:
             span = f"{low:.6g} throughout" if low == high else f"{low:.6g} to {high:.6g}"
             lost = f", {missing} missing" if missing else ""
-            yield f"  {name}{f' [{unit}]' if unit else ''}: {span if low <= high else 'no numbers'}{lost}"
+            yield f"  {with_unit(name, unit)}: {span if low <= high else 'no numbers'}{lost}"
         if len(self.numbers) > _MOST_COLUMNS:
             yield f"  and {len(self.numbers) - _MOST_COLUMNS} more columns of numbers"
         for name, kinds in self.texts.items():

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, names_given, sources_of
-from eccentric.api.result import Result, fitted_model, speeds_of
+from eccentric.api.result import Result, fitted_model, placeholders_of, speeds_of
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, given_path, whole_file, whole_folder
 from eccentric.diagnosis import (
@@ -127,7 +127,7 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
         origin="model.py",
         estimates=estimates,
         fitted=fitted,
-        draws=draws_of_refit(found.result),
+        draws=draws_of_refit(found.result).without(placeholders_of(found.result)),
         script=script(found),
         own={**own} | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
         warnings=tuple(document["warnings"]),
@@ -221,8 +221,8 @@ class DiagnosisResult(Result):
     def table(self) -> ResultTable:
         """The parameters of the extended model: value, standard error, 95 % interval, unit, bound, origin.
 
-        The origin is "effect" or "friction" (fitted), "bench" (estimated jointly with them), "part" (the log
-        identifies only a combination, which the report names), "rig" (known), "model" (the base model's own
+        The origin is "effect" or "friction" (fitted), "estimated" (jointly with them), "part of J_m + mu^2
+        J_l" or another combination (which alone is identified), "rig" (known), "model" (the base model's own
         value, not fitted) or "unseen" (nothing in the log depends on it). Motor constants that are neither
         known nor identified are left out.
         """
@@ -293,7 +293,8 @@ class DiagnosisResult(Result):
 
 def _row(p: Parameter) -> tuple[Any, ...]:
     low, high = p.interval or (None, None)
-    return (p.name, p.value, p.std_error, low, high, p.unit, p.bound, p.origin)
+    origin = f"part of {p.part_of}" if p.origin == "part" else p.origin
+    return (p.name, p.value, p.std_error, low, high, p.unit, p.bound, origin)
 
 
 def _described(own: Iterable[str], emitted: Iterable[str], model: Model) -> tuple[tuple[str, str], ...]:

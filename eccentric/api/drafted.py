@@ -11,7 +11,7 @@ from typing import Any
 
 from eccentric.api.inputs import LogSources, read_logs
 from eccentric.api.result import ResultBase, speeds_of
-from eccentric.api.tables import ResultTable
+from eccentric.api.tables import ResultTable, with_unit
 from eccentric.core import InputError, MissingValueError, counted, few, whole_file
 from eccentric.drafting import (
     Draft,
@@ -93,10 +93,7 @@ class RigDraft(ResultBase):
     def summary(self) -> str:
         """The channels with unit and confidence, the doubts and the questions, for a terminal."""
         width = max(len(p.channel) for p in self.proposals)
-        rows = [
-            f"  {p.channel:{width}}  {p.column} {f'[{p.unit}]' if _says_more(p) else ''}".rstrip()
-            for p in self.proposals
-        ]
+        rows = [f"  {p.channel:{width}}  {with_unit(p.column, p.unit)}" for p in self.proposals]
         rows += [f"  left out: {columns}, {why}" for columns, why in folded(self.left_out)]
         rows += [f"check: {doubt}" for doubt in self.doubts]
         more = f"; to diagnose, also {', '.join(self.needed_to_diagnose)}" if self.needed_to_diagnose else ""
@@ -168,11 +165,6 @@ class RigCheck(ResultBase):
         return (
             f"<RigCheck: {counted(len(self.complaints), 'complaint')}, {counted(len(self.doubts), 'doubt')}>"
         )
-
-
-def _says_more(proposal: Proposal) -> bool:
-    """Whether the unit of a channel is not at the end of its column's name already."""
-    return bool(proposal.unit) and not proposal.column.endswith((f"[{proposal.unit}]", f"({proposal.unit})"))
 
 
 def draft_rig(

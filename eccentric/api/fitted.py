@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, origin_of, sources_of
-from eccentric.api.result import Result, fitted_model
+from eccentric.api.result import Result, fitted_model, placeholders_of
 from eccentric.api.tables import ResultTable, estimate_table
 from eccentric.core import InputError
 from eccentric.emission import read_parameters, with_fitted
@@ -88,7 +88,7 @@ def fit(
         estimates=estimates,
         combinations=axis.estimates(found.combinations),
         fitted={"paper": fitted_model(found, axis, values)},
-        draws=draws_of_fit(found, values),
+        draws=draws_of_fit(found, values).without(placeholders_of(found)),
         rmse={"mechanical": dict(found.rmse)},
         r_squared=found.r_squared,
         unit=axis.unit(found.problem.unit),
@@ -157,7 +157,7 @@ class FitResult(Result):
         return self._write(out, "fit")
 
     def __repr__(self) -> str:
-        errors = ", ".join(f"{name} {self.rmse['mechanical'][name]:.4g}" for name in ("linear", "paper"))
+        errors = ", ".join(f"{name} {x:.4g}" for name, x in sorted(self.comparison.rmse.items()))
         return f"<FitResult: {self.base.name}, held-out RMSE [{self.unit}] {errors}>"
 
     def _repr_html_(self) -> str:

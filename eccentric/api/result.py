@@ -149,16 +149,22 @@ def fitted_model(
     """The fitted model of a fit; `parameters` are those that a `Fit` is emitted with."""
     if isinstance(found, Refit):
         values, names, covariance = found.values, found.estimates, found.covariance
-        placeholders = found.data.drive.placeholders - set(found.estimates)
     else:
         values, covariance = parameters or {}, found.spread.matrix
         names = (*found.coefficients, *found.searched)
-        placeholders = emitted_parameters(found)[2]
+    placeholders = placeholders_of(found)
     return FittedModel(
         {axis.named(name): float(x) for name, x in values.items() if name not in placeholders},
         LabelledMatrix([axis.named(name) for name in names], covariance),
         fitted_drive(found, parameters),
     )
+
+
+def placeholders_of(found: Fit | Refit) -> set[str]:
+    """Letters neither known nor identified: the emitted code has values for them that mean nothing."""
+    if isinstance(found, Refit):
+        return found.data.drive.placeholders - set(found.estimates)
+    return emitted_parameters(found)[2]
 
 
 class ResultBase:
@@ -214,7 +220,7 @@ class ResultBase:
     def prediction(
         self, logs: LogSources, rig: RigSource | None = None, model: str | None = None
     ) -> ResultTable:
-        """The drive of logs as the fitted model predicts it, a row for each row that errors are taken on.
+        """The drive of logs as the fitted model predicts it, by row of the log or average of rows.
 
         Args:
             logs: one log or a list of them, as `fit` takes them: of the fit, or others of the same rig.
@@ -225,7 +231,8 @@ class ResultBase:
         Returns:
             Columns (m,): `time` [s]; `measured`, `predicted` and `residual`, their difference, in the unit of
             the result's errors: the drive torque, of a coast-down that which decelerates it; `held_out`,
-            whether the row is in the held-out part.
+            whether the row is in the held-out part; `used`, whether it is fitted or held out. Other rows,
+            at standstill or next to a reversal, a gap or an end of the log, are in no error of the result.
 
         Raises:
             InputError: nothing was fitted; a log cannot be read, or lacks a signal that the model takes.
@@ -237,6 +244,7 @@ class ResultBase:
             "predicted": found.predicted,
             "residual": found.residual,
             "held_out": found.held_out,
+            "used": found.used,
         }
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
         return ResultTable(tuple(columns), tuple(rows))
@@ -389,7 +397,8 @@ class Result(Printed):
             seed: of the random numbers; the same seed gives the same sets.
 
         Returns:
-            Every parameter of the model by name: (n,) in SI units, as the emitted Parameters take them.
+            The parameters by name: (n,) in SI units, as the emitted Parameters take them. As in `parameters`,
+            those that are neither known nor identified are left out.
 
         Raises:
             InputError: n is no whole number of at least 1.

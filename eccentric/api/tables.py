@@ -153,6 +153,11 @@ def estimate_table(estimates: Mapping[str, Estimate]) -> ResultTable:
     return ResultTable(names, tuple(rows))
 
 
+def with_unit(column: str, unit: str) -> str:
+    """The name of a column with its unit in brackets, unless it ends with that already."""
+    return column if not unit or column.endswith((f"[{unit}]", f"({unit})")) else f"{column} [{unit}]"
+
+
 def ranges_of(log: Log) -> ResultTable:
     """The columns of a log, each with its lowest and highest value."""
     columns = ((name, log.numbers(name)) for name in log.columns)

@@ -50,7 +50,14 @@ from eccentric.diagnosis.search import (
 )
 from eccentric.diagnosis.stage import SearchRequest, Stage, stage_of, staged
 from eccentric.effects import Effect, Setting
-from eccentric.identification import FitData, Refit, drive_noise, fit_data_of, residual_samples
+from eccentric.identification import (
+    FitData,
+    Refit,
+    drive_noise,
+    fit_data_of,
+    no_friction,
+    residual_samples,
+)
 from eccentric.logs import LogSource, log_names
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
@@ -176,6 +183,10 @@ class Diagnosis:
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the reader, of the first fit, and of fits that have not converged."""
         said = (*self.channels.intake.warnings, *self.data.drive.warnings, *self.differing)
+        paper = self.models.paper
+        friction = {q.name for q in paper.model.friction_parameters} & set(paper.estimates)
+        if friction and all(paper.estimates[name].bound_active == "lower" for name in friction):
+            said = tuple(dict.fromkeys((*said, *no_friction(self.channels, self.rig.axis))))
         if self.band is not None and self.band.filtered:
             said = (*said, self.band.warning)
         names = self.models.unsettled

@@ -123,7 +123,9 @@ def fitted_models(
     linear = refit(base, (), data, linear=True)
     models = Models(linear, paper, unbounded, extended)
     if models.misfit:
-        found = replace(unconfirmed(found), next_measurement=NextMeasurement("correct"))
+        doubts = (f.mend for f in data.drive.channels.intake.findings if f.doubts_the_rig and f.mend)
+        correct = NextMeasurement("correct", mends=tuple(doubts))
+        found = replace(unconfirmed(found), next_measurement=correct)
         models = replace(models, extended=paper)
     balance = found.adopted[0].balance if models.adopted else "mechanical"
     scored = _scored(models, balance, data)

@@ -351,15 +351,17 @@ class Effect:
 
     def periods_seen(self, setting: Setting) -> float:
         """How many of its longest periods the log of a setting travels; infinite if it has none."""
+        names = [shape.quantity.name for shape in self.shapes]
+        ends = itertools.product(*((shape.low, shape.high) for shape in self.shapes))
+        rates = (self.per_turn(setting.mu, dict(zip(names, one, strict=True))) for one in ends)
+        longest = min(rates)
+        return longest * setting.turns if math.isfinite(longest) else math.inf
+
+    def per_turn(self, mu: float, shapes: Mapping[str, float]) -> float:
+        """Its longest period as periods per turn of the motor, for these shapes; infinite if it has none."""
+        at = {v.mu.symbol: mu} | {shape.quantity.symbol: shapes[shape.quantity.name] for shape in self.shapes}
         rates = {term.per_turn for terms in self.change.terms.values() for term in terms} - {0}
-        ends = [
-            {v.mu.symbol: setting.mu}
-            | {shape.quantity.symbol: end for shape, end in zip(self.shapes, one, strict=True)}
-            for one in itertools.product(*((shape.low, shape.high) for shape in self.shapes))
-        ]
-        return min(
-            (float(sp.sympify(x).subs(at)) * setting.turns for x in rates for at in ends), default=math.inf
-        )
+        return min((float(sp.sympify(x).subs(at)) for x in rates), default=math.inf)
 
     def told_for(self, axis: AxisKind) -> Effect:
         """The effect with its words and its formula for an axis; its physics is the same."""

@@ -68,6 +68,7 @@ from eccentric.identification.identify import (
     Undetected,
     detection_power,
     fit,
+    no_friction,
     posed_for_motion,
     with_solution,
 )

@@ -12,9 +12,11 @@ from eccentric.core import InputError, MissingValueError
 from eccentric.identification import limits
 from eccentric.identification.columns import following_letters, require_case, with_own
 from eccentric.identification.drive import LOAD, PER_INERTIA, Drive, Machine, evaluated
-from eccentric.identification.problem import Problem, pose, solved
+from eccentric.identification.expressions import seen_columns
+from eccentric.identification.identify import profiled, warnings_of
+from eccentric.identification.problem import Problem, massless, pose, solved
 from eccentric.identification.regression import Coefficient, Solution
-from eccentric.model import Model
+from eccentric.model import Model, regressor
 from eccentric.model import vocabulary as v
 from eccentric.rigs import ALIGNMENT, Rig, mass_alone
 from eccentric.signals import Channels
@@ -35,7 +37,10 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     measured = by == "torque" or (by == "current" and machine.torque_letters <= set(rig.known))
     if measured and not open_inertia and not rig.unknown and not rig.estimate:
         unit = PER_INERTIA if rig.per_inertia else "N m"
-        return Drive(machine, channels, _needed(channels, rig, base, machine), None, unit)
+        kept = seen_columns(base, {} if channels.carried else rig.known)
+        gone = [column.name for k, column in enumerate(regressor(base)) if k not in kept]
+        known = _needed(channels, rig, base, machine)
+        return Drive(machine, channels, known, None, unit, warnings=tuple(massless(gone, rig.axis)))
     problem = pose(channels.driven, rig, base)
     first = solved(problem, rig.path, positive={"scale", "inertia"})
     found = {c.role: float(x) for c, x in zip(problem.coefficients, first.values, strict=True)}
@@ -57,6 +62,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         # Volts have no part in kg m^2 that could be subtracted: the rotor stands for all of the inertia.
         known |= {machine.rotor: found["inertia"]} | ({machine.link: 0.0} if machine.link else {})
     opened, adjusts = _open(channels, rig, problem, open_inertia)
+    warnings = (*problem.warnings, *warnings_of(problem, *profiled(problem, first)))
     return Drive(
         machine,
         channels.realigned(rig, dataclasses.replace(channels.alignment, **aligned)),
@@ -68,7 +74,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         _identified(
             first, scale if unit == "N m" else None, machine if open_inertia else None, rig, by == "voltage"
         ),
-        tuple(w for w in problem.warnings if w not in channels.intake.warnings),
+        tuple(w for w in warnings if w not in channels.intake.warnings),
         rotor,
     )
 

@@ -37,7 +37,7 @@ from eccentric.identification.regression import (
     search,
 )
 from eccentric.identification.uncertainty import TWO_SIDED, Estimate, Spread, improvement, r_squared, rms
-from eccentric.model import Load, Model
+from eccentric.model import AxisKind, Load, Model
 from eccentric.rigs import Rig
 from eccentric.signals import (
     LEAST_HELD_OUT,
@@ -166,14 +166,20 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log", *, by_cu
         "paper": paper,
         "paper_unbounded": search(problem, bounds=False, start=paper.at),
     }
-    profiles = {s.name: profile(problem, paper, s) for s in problem.nonlinear if s.name in rig.unknown}
-    better = min(profiles.values(), key=lambda p: p.best.cost, default=None)
-    if better is not None and better.best.cost < paper.cost:
-        solutions["paper"] = paper = better.best
+    paper, profiles = profiled(problem, paper)
+    solutions["paper"] = paper
     narrowed = problem.narrowed
     filtered = None if narrowed is None else (paper.design, narrowed.design(paper.at))
     error = paper.spread(problem.nonlinear, filtered)
     return _judged(problem, solutions, profiles, error, problem)
+
+
+def profiled(problem: Problem, paper: Solution) -> tuple[Solution, dict[str, Profile]]:
+    """The best solution along the ranges of the rig, and the profile of each by letter."""
+    profiles = {
+        s.name: profile(problem, paper, s) for s in problem.nonlinear if s.name in problem.rig.unknown
+    }
+    return min([paper, *(p.best for p in profiles.values())], key=lambda one: one.cost), profiles
 
 
 def posed_for_motion(found: Fit, model: Model) -> tuple[Problem, Solution]:
@@ -247,7 +253,7 @@ def _judged(
             f" periodic in the {angle} or follow the speed, {beside:.0%}: run diagnose to look for what is"
             " missing"
         )
-    warnings = [*problem.warnings, *_warnings(problem, paper, profiles), *said]
+    warnings = [*problem.warnings, *warnings_of(problem, paper, profiles), *said]
     return Fit(
         problem,
         solutions,
@@ -336,15 +342,20 @@ def _estimates(
     return coefficients, searched
 
 
-def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
+def no_friction(channels: Channels, axis: AxisKind) -> list[str]:
+    """The warning of a fit with all friction at 0; nothing where a check of the log has found a reason."""
+    if any(f.doubts_the_rig for f in channels.intake.findings):
+        return []
+    measured = axis.named(channels.motor.measured_by)
+    return [f"the fit leaves no friction: do the signs of {measured} and {axis.term('angle')} agree?"]
+
+
+def warnings_of(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
+    """What is unusual about a solution: no friction, an inertia or range at its end, what a range leaves."""
     found, axis = [], problem.rig.axis
     friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
-    contradicted = any(f.doubts_the_rig for f in problem.drive.channels.intake.findings)
-    if all(a == -1 for a in friction) and not contradicted:
-        found.append(
-            "the fit leaves no friction: do the signs of"
-            f" {axis.named(problem.drive.channels.motor.measured_by)} and {axis.term('angle')} agree?"
-        )
+    if all(a == -1 for a in friction):
+        found += no_friction(problem.drive.channels, axis)
     for c, active in zip(problem.coefficients, paper.active, strict=True):
         if c.role != "inertia":
             continue

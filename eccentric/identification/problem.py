@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -159,9 +159,9 @@ class Problem:
     @property
     def is_baseline(self) -> bool:
         """Whether the model itself is Coulomb + viscous friction, as that of a carriage."""
-        roles = [column.role for columns in self.friction for column in columns]
+        roles = sorted(column.role.name for columns in self.friction for column in columns)
         unloaded = all(column.load is Load.NONE for columns in self.friction for column in columns)
-        return unloaded and roles == [Role.VISCOUS, Role.COULOMB]
+        return unloaded and roles == [Role.COULOMB.name, Role.VISCOUS.name]
 
     @property
     def narrowed(self) -> Problem | None:
@@ -270,10 +270,7 @@ def pose(channels: Channels, rig: Rig, model: Model, *, by_current: bool = False
     coefficients = combinations_of(drive, rig, model, scale)
     kept = seen_columns(model, {} if drive.channels.carried else rig.known)
     gone = [c.letter for k, c in enumerate(coefficients) if c.role == "friction" and k not in kept]
-    if gone:
-        warnings.append(
-            f"no unbalanced mass: {', '.join(map(rig.axis.named, gone))} have no effect and are omitted"
-        )
+    warnings += massless(gone, rig.axis)
     coefficients = [c for c in coefficients if c.letter not in gone]
     nonlinear = nonlinear_of(channels, rig, model, load_letters(model))
     searched = {s.name for s in nonlinear}
@@ -306,6 +303,12 @@ def _posed(channels: Channels, rig: Rig, machine: Machine, scale: sp.Expr | None
         return Drive(machine, channels, rig.known, None, PER_INERTIA if rig.per_inertia else "N m")
     per_volt = machine.torque(rig.known, machine.current({**machine.absent, **rig.known}, 1.0, 0.0))
     return Drive(machine, channels, rig.known, 1.0 / float(per_volt), "N m")
+
+
+def massless(letters: Sequence[str], axis: AxisKind) -> list[str]:
+    """The warning of friction that has no mass to follow; nothing without any."""
+    names = ", ".join(map(axis.named, letters))
+    return [f"no unbalanced mass: {names} have no effect and are omitted"] if letters else []
 
 
 def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> Solution:

@@ -150,8 +150,10 @@ def format_of(path: Path) -> Format:
     if found is None and _is_table(start):
         return TEXT
     if found is None:
-        known = ", ".join(suffix for one in FORMATS for suffix in one.endings)
-        raise InputError(path, f"a log of {known}", f"{path.suffix or 'no suffix'!r}")
+        text, *others = (one.suffixes[0] for one in (TEXT, _MAT, _PARQUET))
+        usual = f"a log such as {text}, {' or '.join(others)}"
+        where = "(docs/rig-reference.md lists all formats)"
+        raise InputError(path, usual, f"{path.suffix or 'no suffix'!r}", why=where)
     return found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations, permutations, product
 
 import numpy as np
@@ -282,6 +282,7 @@ class MeasurementPlan:
         follows: variables of an unexplained structure in the residual.
         elsewhere: ids of the named effects of the other balance.
         axis: the kind of axis.
+        meanings: what the coefficients of effects are, by name.
     """
 
     rivals: tuple[Rival, ...]
@@ -299,6 +300,7 @@ class MeasurementPlan:
     axis: AxisKind = TURNING
     added: float = 0.0
     elsewhere: tuple[str, ...] = ()
+    meanings: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def strength(self) -> tuple[str, str]:
@@ -374,6 +376,7 @@ def planned(
         axis=axis,
         added=added,
         elsewhere=question.elsewhere,
+        meanings={q.name: q.meaning for e in question.effects for q in e.coefficients if q.name in narrower},
     )
 
 
@@ -400,8 +403,10 @@ def _errors(information: np.ndarray) -> np.ndarray:
 
 
 def _names(question: Question, rival: Rival) -> list[str]:
+    """The coefficients of the base model and of the effects, as a fit has them."""
     names = [c.name for c in question.screen.balance.coefficients]
     for variant in rival.variants:
         width = question.screen.columns(variant).shape[1]
-        names += [f"{variant.candidate.id}" + (f" ({k + 1})" if width > 1 else "") for k in range(width)]
+        (effect,) = (e for e in question.effects if e.id == variant.candidate.id)
+        names += [q.name for q in effect.coefficients[:width]]
     return names

@@ -403,10 +403,21 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
             f"the residual within runs is periodic in the {axis.term('motor angle')}; cycles"
             f" per turn: {parts}"
         )
+    out += filter(None, (_to_correct(found, effect) for effect, _ in found.effects))
     out += calls(found)
     if a.next_measurement:
         out.append(f"next: {measurement_sentence(a.next_measurement, axis)}")
     return out
+
+
+def _to_correct(found: Diagnosis, effect: Effect) -> str:
+    """The line of the rig file for a wrong declared value; "" for any other effect."""
+    if effect.corrects is None or (values := _values(found, effect)) is None:
+        return ""
+    q, (true, declared) = spoken_quantity(found.rig.axis, effect.corrects.quantity), values
+    times = f", {true / declared:.4g} times the declared value" if declared else ""
+    unit = "" if q.unit == "1" else f" {q.unit}"
+    return f'to correct in the rig file: {q.name} = "{true:.4g}{unit}"{times}'
 
 
 def _ranked(found: Diagnosis) -> list[str]:

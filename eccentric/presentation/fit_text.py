@@ -19,6 +19,7 @@ from eccentric.signals import Band
 _DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}
 
 
+_BASELINE = "Coulomb + viscous"
 _SHOWN_PERCENT = 0.05
 """What is smaller is 0.0 % with one digit, and neither better nor worse."""
 _OF_A_LINK = ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)'
@@ -74,9 +75,13 @@ def fit_sentence(fit: Fit) -> str:
 
 
 def _called(fit: Fit) -> str:
-    """Return "paper" for the bundled models, else the model's own name."""
+    """Return "paper" for the bundled models, else the model's own name.
+
+    A bundled model without an unbalanced mass is Coulomb + viscous friction.
+    """
     name = fit.problem.model.name
-    return "paper" if name in model_names() else name
+    bundled = _BASELINE if fit.problem.is_baseline else "paper"
+    return bundled if name in model_names() else name
 
 
 def _percent(x: float) -> str:
@@ -94,8 +99,10 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     above = [head, *filter(None, (channels.excerpt, problem.rig.added_words, inertia_words(problem.rig)))]
     table = estimate_table(axis.estimates({**fit.coefficients, **fit.searched}))
     out = _scale_line(fit, axis)
-    shown = {"paper": _called(fit)} if problem.is_baseline else {"linear": "linear", "paper": _called(fit)}
-    errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
+    own = _called(fit)
+    shown = {"paper": own} if problem.is_baseline else {"linear": "linear", "paper": own}
+    explained = shown | ({} if problem.is_baseline else {"linear": f"linear ({_BASELINE})"})
+    errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in explained.items())
     parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())
     unit = axis.unit(problem.unit)
     drive = "deceleration" if channels.motor.coasting else f"drive {axis.term(_DRIVES[problem.unit])}"
@@ -123,14 +130,15 @@ def inertia_words(rig: Rig) -> str:
 
 def _undetected_lines(fit: Fit) -> list[str]:
     """Upper bounds of friction by F_N that the log does not show, and whether it could have."""
-    whose = "Table 1's" if _called(fit) == "paper" else "the model's"
+    whose = "the paper's Table 1 has" if _called(fit) == "paper" else "the model's own value is"
     out = []
     for name, one in fit.undetected.items():
         line = f"{name} is not detected: at most {one.upper:.3g} {one.unit} (95 %)"
         line += _because(name, fit.coefficients)
         if one.z is not None:
             line += (
-                f"; {whose} {one.reference:g} would be {float(f'{one.z:.2g}'):g} standard errors from zero"
+                f"; {whose} {one.reference:g} {one.unit}, which would be {float(f'{one.z:.2g}'):g} standard"
+                " errors from zero in this log"
             )
         out.append(line)
     return out
@@ -229,7 +237,7 @@ def _bounds_line(fit: Fit, axis: AxisKind) -> list[str]:
         out[0] += f"; the standard errors assume that {stays} there, the intervals do not"
     if gain <= 0.0:
         return out
-    text = f"without bounds the held-out RMSE is {free:.4g}"
+    text = f"without bounds the held-out RMSE is {free:.4g} {axis.unit(fit.problem.unit)}"
     contradicted = any(f.doubts_the_rig for f in fit.problem.drive.channels.intake.findings)
     if gain >= LEAST_GAIN_PERCENT and not contradicted:
         text += f", {gain:.2g} % lower, which suggests a missing effect"
@@ -254,7 +262,7 @@ class Comparison:
         speed: of the motor [rad/s], of a carriage [m/s] (n,).
         measured: (n,) in `unit`.
         paper, linear: predicted by the fitted model and by Coulomb + viscous friction, (n,) in `unit`.
-        rmse: model ("paper", "linear") -> held-out RMSE in `unit`.
+        rmse: model ("paper", "linear") -> held-out RMSE in `unit`; "paper" alone where that is linear itself.
         model: what the fitted model is called in a legend.
         quantity: what is compared, for an axis.
         unit: "N m", "V" or "A".
@@ -281,7 +289,7 @@ def compare(fit: Fit) -> Comparison:
     rows = np.flatnonzero(problem.rows.score)
     rows = rows[:: -(-len(rows) // MOST_POINTS)]
     friction = [k for k, c in enumerate(problem.coefficients) if c.role == "friction"]
-    axis = problem.rig.axis
+    axis, called = problem.rig.axis, _called(fit)
     predicted = paper.design.columns[rows][:, friction] @ paper.values[friction]
     measured = predicted + paper.residual[rows]
     return Comparison(
@@ -289,8 +297,8 @@ def compare(fit: Fit) -> Comparison:
         measured=measured,
         paper=predicted,
         linear=measured - linear.residual[rows],
-        rmse={name: fit.rmse[name] for name in ("paper", "linear")},
-        model=axis.term("paper's model") if problem.model.name in model_names() else problem.model.name,
+        rmse={name: fit.rmse[name] for name in ("paper", "linear")[: 1 if problem.is_baseline else 2]},
+        model=axis.term("paper's model") if called == "paper" else called,
         quantity="friction (and back-EMF)" if problem.unit == "V" else "friction",
         unit=axis.unit(problem.unit),
         title=f"{problem.rig.name}: held-out {problem.rows.description}",
@@ -306,14 +314,13 @@ def plot_fit(shown: Comparison, left: Any, right: Any = None) -> None:
     ends = [float(both.min()), float(both.max())]
     style = {"linestyle": "none", "marker": ".", "rasterized": True}
     # The linear model is drawn on top, in smaller dots: its few values would be hidden by the paper's.
-    models = (
-        (shown.paper, _PAPER, "paper", shown.model, 3.0),
-        (shown.linear, _LINEAR, "linear", "Coulomb + viscous", 1.5),
-    )
+    models = [(shown.paper, _PAPER, "paper", shown.model, 3.0)]
+    if "linear" in shown.rmse:
+        models.append((shown.linear, _LINEAR, "linear", _BASELINE, 1.5))
     if right is not None:
         right.plot(shown.speed, shown.measured, color=_MEASURED, label="measured", markersize=3.0, **style)
     for values, color, which, called, size in models:
-        label = f"{called}: RMSE {shown.rmse[which]:.3g} {unit}"
+        label = f"{called}\nRMSE {shown.rmse[which]:.3g} {unit}"
         left.plot(values, shown.measured, color=color, label=label, markersize=size, **style)
         if right is not None:
             right.plot(shown.speed, values, color=color, label=called, markersize=size, **style)
@@ -323,9 +330,8 @@ def plot_fit(shown: Comparison, left: Any, right: Any = None) -> None:
         right.set(xlabel=shown.velocity, ylabel=f"{name} [{unit}]")
     for axes in drawn:
         axes.grid(linewidth=0.3)
-        # Above the axes, where it never covers a dot.
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, handletextpad=0.2)
+        # Inside: above the axes it would cover a title, or the legend beside it.
+        axes.legend(loc="best", handletextpad=0.2, fontsize=8.0)
         for handle in axes.get_legend().legend_handles:
             handle.set_markersize(10.0)
-    if right is not None:
-        left.figure.suptitle(shown.title, fontsize=9.0)
+    left.set_title(shown.title, loc="left", fontsize=9.0)

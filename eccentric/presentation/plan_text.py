@@ -68,7 +68,6 @@ _MEASUREMENTS = {
     ),
 }
 """Variable -> a measurement that a person can do; its terms are in braces."""
-_CORRECT = "Correct the rig file or the log first."
 _HOLD_OTHERS = (
     "Accelerate and brake this joint at three rates with the others held, then move the others with this one"
     " held: that separates its own {inertia} from theirs."
@@ -91,6 +90,13 @@ def measurement_sentence(found: NextMeasurement | None, axis: AxisKind) -> str:
     return first + _SENTENCES[found.code](found, axis)
 
 
+def _correct(found: NextMeasurement) -> str:
+    lines = "; ".join(found.mends)
+    return (
+        f"Correct the rig file first: write {lines}." if lines else "Correct the rig file or the log first."
+    )
+
+
 def _vary(found: NextMeasurement, axis: AxisKind) -> str:
     if found.variable in _MEASUREMENTS:
         return axis.filled(_MEASUREMENTS[found.variable])
@@ -109,7 +115,7 @@ def _separate(found: NextMeasurement, axis: AxisKind) -> str:
 
 
 _SENTENCES = {
-    "correct": lambda found, axis: _CORRECT,
+    "correct": lambda found, axis: _correct(found),
     "vary": _vary,
     "separate": _separate,
     "hold_others": lambda found, axis: axis.filled(_HOLD_OTHERS),
@@ -163,12 +169,14 @@ def plan_lines(plan: MeasurementPlan) -> list[str]:
         if plan.probability < DECIDES and plan.otherwise:
             said.append(f"To settle it: {measurement_sentence(plan.otherwise, plan.axis)}")
     else:
-        said += [
-            f"  {axis.named(name)}: standard error falls to {100 * part:.0f} % of its value from the log"
-            if part < HARDLY
-            else f"  {axis.named(name)}: standard error hardly changes"
-            for name, part in plan.narrower.items()
-        ]
+        for name, part in plan.narrower.items():
+            falls = (
+                f"falls to {100 * part:.0f} % of its value from the log"
+                if part < HARDLY
+                else "hardly changes"
+            )
+            meaning = axis.text(plan.meanings.get(name, ""))
+            said.append(f"  {axis.named(name)}{f' ({meaning})' if meaning else ''}: standard error {falls}")
         if min(plan.narrower.values(), default=0.0) > HARDLY:
             said.append("Hardly any motion within these limits adds to this log: widen them.")
     moved, bounds = plan.motion, plan.bounds

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,9 +35,15 @@ class Draws:
     lower: Array  # lower bounds (k,)
     upper: Array  # upper bounds (k,)
     reach: Array  # (k,) how far a value at a bound may be from it, 95 % interval; 0 for all others
-    parameters: Mapping[str, float]  # every parameter of the model as it was fitted
+    parameters: Mapping[str, float]  # those of the model as it was fitted
     drawn: tuple[Drawn, ...]  # those that follow from the values
     scale: int | None = None  # place of the scale of the drive among the values; None without one
+
+    def without(self, names: Collection[str]) -> Draws:
+        """The same without these parameters, such as those that are neither known nor identified."""
+        parameters = {name: x for name, x in self.parameters.items() if name not in names}
+        drawn = tuple(one for one in self.drawn if one.parameter not in names)
+        return replace(self, parameters=parameters, drawn=drawn)
 
     def samples(self, count: int, seed: int) -> dict[str, Array]:
         """Parameter sets: name -> (count,).

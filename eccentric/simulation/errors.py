@@ -209,7 +209,10 @@ class Predicted:
     t: Array  # time [s] (m,)
     measured: Array  # of a coast-down, what its deceleration gives (m,)
     predicted: Array  # of a coast-down, what friction gives (m,)
-    held_out: NDArray[np.bool_]  # rows (m,) that a fit of this log would not use
+    held_out: NDArray[np.bool_]  # rows (m,) that a fit of this log would not use, but be judged by
+    used: NDArray[np.bool_]
+    """Rows (m,) that are fitted or held out: not those at standstill, next to a reversal, a gap or an end
+    of the log, where the low pass has not settled."""
 
     @property
     def residual(self) -> Array:
@@ -246,9 +249,9 @@ class FittedDrive:
         residuals = data.residuals(self.model, values, values, self.scale)
         measured = data.rows.mean(drive.driven_by(values, self.scale))
         left = residuals.rows("mechanical", values)
-        return Predicted(
-            data.rows.t, self.factor * measured, self.factor * (measured - left), data.rows.score
-        )
+        rows = data.rows
+        predicted, used = self.factor * (measured - left), rows.train | rows.score
+        return Predicted(rows.t, self.factor * measured, predicted, rows.score, used)
 
 
 def fitted_drive(found: Fit | Refit, parameters: Mapping[str, float] | None = None) -> FittedDrive:

@@ -39,6 +39,7 @@ class NextMeasurement:
         between: the families, each with the words of its best member.
         constant_first: whether giving the torque constant, which is open, may decide without it.
         one_way: whether the log turns one way only, so that the other direction may decide without it.
+        mends: lines of the rig file that would put right what contradicts the log.
     """
 
     code: str
@@ -46,6 +47,7 @@ class NextMeasurement:
     between: tuple[tuple[str, Words], ...] = ()
     constant_first: bool = False
     one_way: bool = False
+    mends: tuple[str, ...] = ()
 
 
 def next_measurement(

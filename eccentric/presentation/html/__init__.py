@@ -7,7 +7,7 @@
     figures   -> their data as JSON, which BokehJS draws in the page; without Bokeh there are text and tables;
               two of them on matplotlib axes
     equation, formulas  -> the model as MathML
-    simulated the report of a simulated log: what was planted
+    pictures -> the first pictures, lines of an SVG: the residual over a variable, the drive along time
     text      -> its sentences and tables
     arm_page  the page of an arm, which leads to those of its joints
     view      -> the strings that the templates see (`templates/report/`)

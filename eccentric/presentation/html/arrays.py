@@ -6,11 +6,12 @@ An array may hold NaN; if a log has no such signal, the field is None or the cha
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 Array = np.ndarray
+TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,8 @@ class DriveSignal:
     Attributes:
         label: "current", "voltage", "torque", without unit.
         unit: of the values.
-        values: (n,) as measured; a model gives `values` - `gain` * its residual.
+        values: (n,) as measured, below the low pass where there is one; a model gives `values` - `gain` * its
+            residual there.
         gain: units of the drive for one of the balance.
     """
 
@@ -75,6 +77,20 @@ class DriveSignal:
     unit: str
     values: Array
     gain: float
+
+
+@dataclass(frozen=True)
+class SmoothResiduals:
+    """Residuals (n,) of which held-out rows have passed the low pass too, as fitted ones and the angle have.
+
+    Attributes:
+        cut_hz: cut-off frequency of the low pass.
+        paper, extended: of the two models; None as in BalanceResiduals.
+    """
+
+    cut_hz: float
+    paper: Array
+    extended: Array | None
 
 
 @dataclass(frozen=True)
@@ -94,6 +110,7 @@ class BalanceResiduals:
         rmse: model ("linear", "paper", "extended") -> held-out RMSE, as in diagnosis.json.
         noise_floor: RMS of the sensors' noise in this balance; None if unknown.
         drive: what the balance is about as the log has it; None for another balance than the mechanical.
+        smooth: the residuals below the low pass of the angle; None where rows are averages.
     """
 
     name: str
@@ -107,6 +124,13 @@ class BalanceResiduals:
     rmse: Mapping[str, float]
     noise_floor: float | None = None
     drive: DriveSignal | None = None
+    smooth: SmoothResiduals | None = None
+
+    @property
+    def below(self) -> BalanceResiduals:
+        """The same with all rows below the low pass, where there is one."""
+        own = self.smooth
+        return self if own is None else replace(self, paper=own.paper, extended=own.extended)
 
 
 # Bins of a channel: the mean of the rows in each, and the quantiles between which most of them lie.

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.model import TURNING, AxisKind
-from eccentric.presentation.html.arrays import BalanceResiduals
+from eccentric.presentation.html.arrays import BalanceResiduals, Channel
 from eccentric.presentation.ranges_text import effect_name
 from eccentric.signals import Finding
 
@@ -90,7 +90,8 @@ class AddedEffect:
     meaning: what it is and where it comes from, one sentence; share: "4.2 % of the friction";
     headline: the same in a few words, or "";
     stability: in how many variants of the log it is found, and what is found instead, or "";
-    ranges: a line for each of its figures that is known from elsewhere.
+    ranges: a line for each of its figures that is known from elsewhere;
+    follows: channels that it may be drawn over.
     """
 
     id: str
@@ -102,6 +103,7 @@ class AddedEffect:
     headline: str = ""
     stability: str = ""
     ranges: tuple[str, ...] = ()
+    follows: tuple[Channel, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,7 @@ class Parameter:
 
     Attributes:
         name, meaning, unit, value: as the emitted code has them.
-        origin: "effect" (fitted, of an adopted effect), "friction" (fitted), "bench" (estimated jointly),
+        origin: "effect" (fitted, of an adopted effect), "friction" (fitted), "estimated" (jointly),
             "part" (identified only in combination), "rig" (known beforehand), "model" (its own value) or
             "unseen" (nothing in the log depends on it).
         std_error, interval: None where it was not estimated.

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from eccentric.model import TURNING, AxisKind
-from eccentric.presentation.html.arrays import BalanceResiduals, MeanAndSpread
+from eccentric.presentation.html.arrays import TURN, BalanceResiduals, MeanAndSpread
 from eccentric.presentation.html.data import ReportData
-from eccentric.presentation.html.panels import Panel, Trace, friction_panel, residual_panel
+from eccentric.presentation.html.panels import Panel, Trace, friction_panel, leading_panel, residual_panel
 from eccentric.presentation.html.text import curve_name
 
 _SCRIPTS = ("bokeh.min.js", "bokeh-api.min.js")
@@ -27,7 +27,6 @@ _SCRIPTS = ("bokeh.min.js", "bokeh-api.min.js")
 _WITH_BARS = {"measured", "before", "after"}
 _FEW = 100
 """Points of a trace are marked up to this number."""
-_TURN = 2.0 * np.pi
 
 
 def library() -> str:
@@ -71,7 +70,7 @@ class Figures:
             columns,
             [(f"{quantity}{against} [{unit}]", 290, curves)],
             x=f"{panel.channel.label} [{panel.channel.unit}]",
-            turn=period is not None and abs(period - _TURN) < 1e-9,
+            turn=period is not None and abs(period - TURN) < 1e-9,
             unit=unit,
         )
 
@@ -154,15 +153,19 @@ _STYLES = {
 def plot_report(data: ReportData, left: Any, right: Any = None) -> None:
     """Draw the first figures of the report on two matplotlib axes, or the first of them on one.
 
-    On the left the residual before and after, over the signal that it depends on most; on the right measured
-    and predicted friction over the motor velocity, or the residual if the balance contains no friction.
+    On the left the residual before and after, over the variable of the effect or the signal that it depends
+    on most; on the right measured and predicted friction over the motor velocity, or the residual if the
+    balance contains no friction.
     Points are means over bins; bars extend from the 10 % to the 90 % quantile of their rows.
     """
     balance, axis = data.errors.balances[0], data.source.axis
     order = {key: k for k, key in enumerate(data.conclusion.depends_on)}
     channels = sorted(balance.rows.channels, key=lambda c: order.get(c.key, len(order)))
     panels = (residual_panel(balance, channel) for channel in channels)
-    _draw(left, next((panel for panel in panels if panel is not None), None), balance, "residual", axis)
+    leading = next((e for e in data.extended.effects if e.balance == balance.name), None)
+    own = leading_panel(balance.below, leading.follows) if leading else None
+    first = own or next((panel for panel in panels if panel is not None), None)
+    _draw(left, first, balance, "residual", axis)
     if right is None:
         return
     velocity = balance.rows.channel("velocity")
@@ -174,7 +177,7 @@ def plot_report(data: ReportData, left: Any, right: Any = None) -> None:
     added = ", ".join(effect.id for effect in data.extended.effects) or data.conclusion.verdict.replace(
         "_", " "
     )
-    left.figure.suptitle(f"{', '.join(data.source.logs)}: {added}", fontsize=9.0)
+    left.set_title(f"{', '.join(data.source.logs)}: {added}", loc="left", fontsize=9.0)
 
 
 def _draw(axes: Any, panel: Panel | None, balance: BalanceResiduals, quantity: str, axis: AxisKind) -> None:

@@ -27,7 +27,14 @@ from eccentric.presentation.diagnosis_text import (
     request_words,
     stability_words,
 )
-from eccentric.presentation.html.arrays import BalanceResiduals, Channel, DriveSignal, ResidualRows
+from eccentric.presentation.html.arrays import (
+    TURN,
+    BalanceResiduals,
+    Channel,
+    DriveSignal,
+    ResidualRows,
+    SmoothResiduals,
+)
 from eccentric.presentation.html.data import (
     AddedEffect,
     CandidateRow,
@@ -57,7 +64,6 @@ from eccentric.version import __version__
 
 
 Array = np.ndarray
-TURN = 2.0 * np.pi
 _QUARTER = TURN / 4
 
 
@@ -84,6 +90,23 @@ def balance_of(found: Diagnosis, name: str) -> BalanceResiduals:
         rmse=found.score.rmse[name],
         noise_floor=found.noise_floor if mechanical else None,
         drive=_drive(found) if mechanical else None,
+        smooth=_smooth(found, name, residuals["paper"], residuals["extended"] if adopted else None),
+    )
+
+
+def _smooth(found: Diagnosis, name: str, paper: Array, extended: Array | None) -> SmoothResiduals | None:
+    """Residuals below the low pass, which fitted rows have passed already; None where rows are averages."""
+    rows, models = found.rows, found.models
+    if rows.operator is not None:
+        return None
+
+    def passed(fit: Refit, residual: Array) -> Array:
+        return np.where(rows.score, fit.residual_like(models.extended, name, smooth=True), residual)
+
+    return SmoothResiduals(
+        found.rig.sampling.low_pass_hz,
+        passed(models.paper, paper),
+        None if extended is None else passed(models.extended, extended),
     )
 
 
@@ -98,7 +121,9 @@ def _drive(found: Diagnosis) -> DriveSignal:
         gain = float(drive.machine.current_of_torque(drive.known, 1.0))
     axis = found.rig.axis
     label, unit = axis.named(name), axis.unit(DRIVE_UNITS[name])
-    return DriveSignal(label, unit, np.where(found.data.off, np.nan, found.rows.mean(drive.signal())), gain)
+    signal, averaged = drive.signal(), found.rows.operator is not None
+    values = found.rows.mean(signal) if averaged else found.channels.smooth(signal)
+    return DriveSignal(label, unit, np.where(found.data.off, np.nan, values), gain)
 
 
 def _scaled(found: Diagnosis, fit: Refit, x: Array) -> Array:
@@ -220,7 +245,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
     return [*facts, Fact("sensor noise", f"{noise:.3g} {unit}", remark)]
 
 
-_ORIGINS = ("effect", "friction", "bench", "part", "rig", "model", "unseen")
+_ORIGINS = ("effect", "friction", "estimated", "part", "rig", "model", "unseen")
 
 
 # The records of a report.
@@ -240,6 +265,8 @@ def report_data(
     effects = [effect for effect, _ in found.models.extended.effects]
     names = sorted(score.rmse, key=lambda name: name != score.balance)
     axis = found.rig.axis
+    balances = tuple(balance_of(found, name) for name in names)
+    rows = balances[0].rows
     return ReportData(
         source=Source(
             logs=found.asked.logs,
@@ -264,14 +291,14 @@ def report_data(
         ),
         errors=HeldOutErrors(
             holdout=found.channels.selection.holdout.rule,
-            balances=tuple(balance_of(found, name) for name in names),
+            balances=balances,
             gain=Gain(score.balance, score.percent, score.interval) if found.models.adopted else None,
             further=(*_further(found), *_simulated(found, simulated)),
             below=_below(found),
         ),
         search=SearchTable(tuple(_candidates(found)), attribution.tied, attribution.deviance),
         extended=ExtendedModel(
-            effects=tuple(_added(effect, found) for effect in effects),
+            effects=tuple(_added(effect, found, rows.channels) for effect in effects),
             parameters=tuple(_parameters(found)),
             equations=tuple(friction_equations(spoken(found.models.extended.model), effects, axis)),
             correlations=_correlations(found.models.extended, axis),
@@ -346,7 +373,7 @@ def _candidates(found: Diagnosis) -> Iterator[CandidateRow]:
         yield row
 
 
-def _added(effect: Effect, found: Diagnosis) -> AddedEffect:
+def _added(effect: Effect, found: Diagnosis, channels: Sequence[Channel]) -> AddedEffect:
     return AddedEffect(
         id=effect.id,
         balance=effect.balance,
@@ -357,7 +384,27 @@ def _added(effect: Effect, found: Diagnosis) -> AddedEffect:
         headline=effect.words.headline,
         stability=stability_words(found, effect),
         ranges=tuple(range_line(check) for check in found.ranges if check.effect == effect.id),
+        follows=_follows(effect, found, channels),
     )
+
+
+def _follows(effect: Effect, found: Diagnosis, channels: Sequence[Channel]) -> tuple[Channel, ...]:
+    """The channels that an effect may be drawn over: its leading variable, over a period too, or any."""
+    by_key, axis, mu = {channel.key: channel for channel in channels}, found.rig.axis, found.setting.mu
+    motor, link = axis.named("motor_angle"), axis.named("link_angle")
+    key = axis.named(effect.evidence.depends_on[0])
+    if key == motor and motor not in by_key:
+        key = link  # without a gear the motor turns with it
+    if key not in by_key:
+        return tuple(channels)
+    channel = by_key[key]
+    period = TURN * (abs(mu) if key == link else 1.0) / abs(effect.per_turn(mu, found.models.extended.values))
+    if not 0.0 < period < (1.0 - 1e-9) * TURN or found.rows.operator is not None:
+        return (channel,)
+    times = TURN / period
+    whole = abs(times - round(times)) < 1e-6 * times
+    part = f"2π/{times:.0f}".replace("2π/2", "π") if whole else f"{period:.3g} {channel.unit}"
+    return channel, replace(channel, label=f"{channel.label} modulo {part}", period=period)
 
 
 def _below(found: Diagnosis) -> Errors | None:
@@ -427,7 +474,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
             ("effect", own),
             ("friction", friction),
             ("part", shared),
-            ("bench", given),
+            ("estimated", given),
             ("rig", found.rig.known),
             ("model", found.data.drive.known.keys() - {known.name for known in KNOWNS}),
         )
@@ -437,7 +484,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
             continue
         if q.name in placeholders - set(estimates) and origin != "effect":
             continue
-        fitted = origin in {"effect", "friction", "bench"}
+        fitted = origin in {"effect", "friction", "estimated"}
         unit = in_drive_unit(q.unit, found.unit) if fitted else q.unit
         own_letter = letters[axis.named(q.name)]
         letter, unit = typeset(own_letter.symbol), axis.unit(unit)

@@ -6,7 +6,7 @@ Nothing is smoothed or silently left out: every point records how many rows it r
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,6 +84,22 @@ def residual_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:
     if turned is not None and turned.structure(facing["before"]) > plain.structure(curves["before"]):
         return _panel(channel, turned, facing, against_motion=True)
     return _panel(channel, plain, curves)
+
+
+def leading_panel(balance: BalanceResiduals, channels: Iterable[Channel]) -> Panel | None:
+    """The panel of the residual over that of the channels which shows most of the effects.
+
+    Without an effect, most of the residual; None if none of the channels has enough rows.
+    """
+    panels = (residual_panel(balance, channel) for channel in channels)
+    return max((panel for panel in panels if panel is not None), key=_structure, default=None)
+
+
+def _structure(panel: Panel) -> float:
+    """Mean square of the means of the effect, or of the residual where there is none."""
+    curve = panel.curves["effect" if "effect" in panel.curves else "before"].middle
+    known = np.isfinite(curve)
+    return float(np.average(curve[known] ** 2, weights=panel.rows[known]))
 
 
 def friction_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:

@@ -14,8 +14,8 @@ from eccentric.presentation.html.arrays import BalanceResiduals, PartErrors, Run
 from eccentric.presentation.html.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.presentation.html.figures import Figures
 from eccentric.presentation.html.formulas import is_letter, short_formula, with_symbols
-from eccentric.presentation.html.panels import Panel, friction_panel, residual_panel, trace
-from eccentric.presentation.html.simulated import simulated
+from eccentric.presentation.html.panels import Panel, friction_panel, leading_panel, residual_panel, trace
+from eccentric.presentation.html.pictures import Picture, drive_picture, residual_picture
 from eccentric.presentation.html.text import (
     correlation_words,
     curve_name,
@@ -34,7 +34,7 @@ from eccentric.presentation.html.text import (
 _ORIGINS = {
     "effect": "fitted, new",
     "friction": "fitted",
-    "bench": "estimated jointly",
+    "estimated": "estimated jointly",
     "part": "only {} is identified",
     "model": "model default, not fitted",
     "unseen": "a placeholder: nothing in this log depends on it",
@@ -64,7 +64,8 @@ def view(data: ReportData, library: str) -> dict[str, Any]:
         "key_figures": _key_figures(data),
         "errors": _errors(data),
         "runs": _runs(data),
-        "simulated": next((one for b in shown if (one := simulated(b, axis))), None),
+        "follows": _follows(data),
+        "drive": next((one for b in shown if (one := drive_picture(b, axis))), None),
         "correlations": _correlations(data),
         "residuals": [(f"{b.name} balance", b.unit, panels) for b, panels in residuals],
         "friction": friction,
@@ -105,6 +106,24 @@ def _residuals(figures: Figures, balance: BalanceResiduals, data: ReportData) ->
             drawn = _panel(figures, panel, "residual", balance, data.source.axis)
             found.append(drawn | {"depends": channel.key in order})
     return found
+
+
+def _follows(data: ReportData) -> tuple[str, list[Picture]] | None:
+    """A heading, and the residual over what each effect follows; without one, over what it depends on."""
+    axis, balances = data.source.axis, {balance.name: balance for balance in data.errors.balances}
+    first = data.errors.balances[0]
+    if effects := [e for e in data.extended.effects if balances[e.balance].extended is not None]:
+        named = [(e.headline or e.id, balances[e.balance], e.follows) for e in effects]
+    else:
+        channels = map(first.rows.channel, data.conclusion.depends_on[:1])
+        named = [("", first, [channel for channel in channels if channel is not None])]
+    pictures = [
+        residual_picture(panel, balance, axis, title if len(named) > 1 else "")
+        for title, balance, channels in named
+        if (panel := leading_panel(balance.below, channels)) is not None
+    ]
+    heading = "Residual before and after" if effects else "What the residual depends on"
+    return (heading, pictures) if pictures else None
 
 
 def _empirical(figures: Figures, data: ReportData, library: str) -> dict[str, Any]:

@@ -115,7 +115,7 @@ def _scale(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
     resistance, constant = rest.get("R"), rest.get("k_i")
     if not all(ratio.near(1.0) for ratio in others):
         return None
-    drive, k_i, by = logged.drive, logged.axis.named("k_i"), f"off by a factor of {scale:.3g}"
+    drive, k_i, by = logged.drive, logged.axis.named("k_i"), _off(scale)
     if drive == "current" and resistance is not None and constant is None and resistance.near(1.0 / scale):
         return Cause("wrong_unit", "current", f"the scale of the current is {by}", {}, scale)
     if resistance is not None and not resistance.near(1.0):
@@ -128,6 +128,10 @@ def _scale(ratios: Sequence[Ratio], logged: Logged) -> Cause | None:
     if drive == "current" and resistance is not None:
         return Cause("contradiction", "k_i", f"{k_i} is {by}", {}, scale, "k_i")
     return Cause("contradiction", "k_i", f"the scale of the {logged.axis.term(drive)}, or {k_i}, is {by}", {})
+
+
+def _off(factor: float) -> str:
+    return f"off by a factor of {float(f'{factor:.3g}'):g}"
 
 
 def _causes(logged: Logged) -> list[Cause]:
@@ -243,7 +247,7 @@ def single_cause(ratio: Ratio, logged: Logged, every: Sequence[Ratio]) -> tuple[
     # Gravity is the larger part of a torque; an inertia off by the same factor may not show.
     scaled = {"J": ratio.value}
     either = ratio.name == "M g L" and drive == "current" and not _refuted(scaled, every, scaled)
-    return (f" (or is {logged.axis.named('k_i')} off by this factor?)" if either else ""), None
+    return (f" (or is {logged.axis.named('k_i')} {_off(ratio.value)}?)" if either else ""), None
 
 
 # What to write into the rig file for a wrong unit, scale or value.
