@@ -66,13 +66,21 @@ CODE: dict[str, Asked] = {
     "stack torque alone": Asked("the same, stack", "at most", 64, "B"),
     "step instructions": Asked("Cortex-M4F, time step with friction at rest, instructions", "at most", 160),
     "step numpy": Asked("NumPy, time step with friction at rest, 1e6, an element", "at most", 30, "ns"),
-    "export torque": Asked(
-        "exported to MuJoCo: friction torque beside the emitted one", "at most", 1e-6, "relative"
-    ),
-    "export swing": Asked(
-        "end of a swing, steps of 2 ms, beside `friction_step` at 0.1 ms", "at most", 1.0, "mrad"
-    ),
-    "export rest": Asked("drift in 5 s of a link that friction holds", "at most", 0.0, "mrad"),
+    **{
+        f"export {name} {what}": Asked(f"{name}: {text}", "at most", limit, unit)
+        for name, rest in {
+            "MuJoCo": 0.0,
+            "mujoco-warp": None,
+            "Newton": None,
+            "FMU in FMPy": 0.0,
+        }.items()
+        for what, text, limit, unit in (
+            ("torque", "friction torque beside the emitted one", 1e-6, "relative"),
+            ("swing", "end of a swing, steps of 2 ms, beside `friction_step` at 0.1 ms", 1.0, "mrad"),
+            ("rest", "drift in 5 s of a link that friction holds", rest, "mrad"),
+        )
+        if limit is not None
+    },
     "step jax": Asked("JAX, 4,096 drives, 5,000 steps: time over that of a naive step", "at most", 1.5),
     **{
         f"simulated {horizon:g} s": Asked(

@@ -310,6 +310,25 @@ equations = (
     ),
     *law_at_rest(mechanical, J),
     Equation(
+        "loss",
+        "",
+        sp.Symbol("J_f"),
+        (C_lN * mu**2 + B_lN * mu**3 * sp.Abs(omega_m)) * M * L,
+        "kg m^2",
+        "F_N contains the acceleration: friction changes with alpha_m by at most this. A step takes alpha_m"
+        " from the step before, which converges while it is less than J.",
+        (
+            Identity(
+                "F_N changes with alpha_l by at most M L, as it is at least its part along the link",
+                (M * L) ** 2
+                * (F_N_squared - (M * L * omega_l**2 + weight * sp.cos(theta_l)) ** 2).subs(
+                    weight, (M + M_l) * g * sp.cos(phi)
+                )
+                - (sp.diff(F_N_squared, alpha_l) / 2) ** 2,
+            ),
+        ),
+    ),
+    Equation(
         "stable_normal_force",
         "",
         F_N,

@@ -21,6 +21,7 @@ import pytest
 import sympy as sp
 
 import eccentric
+from benchmarks import cortex_m4
 from eccentric.cli import main
 from eccentric.core import InputError
 from eccentric.emission import executed, executed_beside, gain_of, inputs_of, render, render_compensation
@@ -578,6 +579,32 @@ def test_the_default_is_prepared(compiled: Compensation) -> None:
 
     assert list(default.lipschitz) == pytest.approx(list(prepared.lipschitz), rel=1e-14)
     assert default.velocity == 1
+
+
+def test_it_takes_constant_time(tmp_path: Path) -> None:
+    """On a Cortex-M4F as many instructions for every input: at rest, within the widths and beyond them."""
+    if absent := cortex_m4.missing():
+        pytest.skip(f"not installed: {', '.join(absent)}")
+    folder = emitted(tmp_path)
+    values = {"gain": 0.9, "feedforward": 1, "encoder_step": 0.0015, "tick": 0.001, **CHOSEN}
+    common = ", ".join(f".{name} = {float(x)}f" for name, x in values.items())
+    kinds = [f"{{.velocity = {v}u, .push = {p}u, {common}}}" for v in range(3) for p in range(3)]
+    lines = ['#include "c2_parallel_compensation.h"']
+    subjects = []
+    for k, kind in enumerate(kinds):
+        inputs = "x, 0.02f * y, 0.05f * y, 0.003f * x, 0.003f * y"
+        call = f"c2_parallel_compensation({inputs}, &s{k}, &c2_parallel_default)"
+        lines += [
+            f"static const c2_parallel_compensation_settings s{k} = {kind};",
+            f"static float kind_{k}(float x, float y) {{ return {call}; }}",
+        ]
+        subjects.append(cortex_m4.Subject(f"kind_{k}", "(float, float)", "(x, y)"))
+    sources = [folder / "c2_parallel.c", folder / "c2_parallel_compensation.c"]
+    options = ["-std=c99", "-O2", "-DECCENTRIC_REAL=float", f"-I{folder}"]
+    counts = cortex_m4.instructions(tmp_path, "\n".join(lines) + "\n", subjects, sources, options)
+
+    for subject in subjects:
+        assert len(set(counts[subject.name])) == 1, subject.name
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,6 @@
-"""Friction at rest: what holds a drive holds it exactly, and a step never gains energy from friction.
-
-The reference for motion is an integration from event to event (a stop, a start) of the equations of the
-paper, written here once more.
-"""
+"""Friction at rest: what holds a drive holds it exactly, and a step never gains energy from friction."""
 
 import inspect
-import itertools
 import math
 import subprocess
 from collections.abc import Callable
@@ -16,7 +11,6 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import eccentric
 from eccentric.core import InputError
@@ -25,7 +19,7 @@ from eccentric.emission import inertial_loss
 from eccentric.emission.hot import load_module
 from eccentric.model import Model, load_model, with_values
 from eccentric.presentation import loss_warnings
-from tests import extended, oracle
+from tests import extended
 from tests.compiled import CFunctions
 from tests.emitted import MODELS, every_model, module, with_inertia
 from tests.hosts import need
@@ -160,111 +154,17 @@ def test_friction_does_not_drive() -> None:
     assert np.array_equal(-lower, upper)
 
 
-# Motion: of first order beside an integration from event to event.
-
-
-def normal_force(theta_m: float, omega_m: float) -> float:
-    """Return the length of centrifugal force and weight [N]."""
-    p = extended
-    pull, weight = p.M * p.L * (p.MU * omega_m) ** 2, (p.M + p.M_L) * p.G
-    angle = p.MU * theta_m
-    return math.hypot(pull * math.sin(angle), pull * math.cos(angle) + weight)
-
-
-def torques(t: float, theta_m: float) -> float:
-    """A drive that swings, less gravity."""
-    p = extended
-    return 0.35 * math.sin(1.7 * t) - p.MU * p.M * p.G * p.L * math.sin(p.MU * theta_m)
-
-
-@cache
-def reference(until: float) -> tuple[float, float]:
-    """Angle and velocity at the end, from event to event; friction is that of Table 1."""
-    p, J = extended, J_M + extended.MU**2 * J_L
-    t, state, direction = 0.0, [2.0, 0.0], 0
-
-    def level(theta_m: float, omega_m: float) -> float:
-        return p.MU * 0.08 * normal_force(theta_m, omega_m) + 0.008
-
-    while t < until:
-        if direction == 0:  # until the torque leaves the levels
-            theta_m = state[0]
-            grid = np.linspace(t, until, 20_001)
-            beyond = [abs(torques(s, theta_m)) - level(theta_m, 0.0) for s in grid]
-            first = next((k for k, x in enumerate(beyond) if x > 0.0), None)
-            if first is None:
-                return theta_m, 0.0
-            low, high = grid[max(first - 1, 0)], grid[first]
-            for _ in range(60):
-                middle = (low + high) / 2.0
-                held = abs(torques(middle, theta_m)) <= level(theta_m, 0.0)
-                low, high = (middle, high) if held else (low, middle)
-            t, direction = high, int(math.copysign(1.0, torques(high, theta_m)))
-
-        def slope(s: float, y: np.ndarray, sign: int = direction) -> list[float]:
-            viscous = (p.MU**2 * 0.004 * normal_force(*y) + 0.0004) * y[1]
-            return [y[1], (torques(s, y[0]) - sign * level(*y) - viscous) / J]
-
-        def stopped(_: float, y: np.ndarray, sign: int = direction) -> float:
-            return sign * y[1] + 1e-13
-
-        stopped.terminal, stopped.direction = True, -1.0  # type: ignore[attr-defined]
-        found = solve_ivp(slope, (t, until), state, "DOP853", rtol=1e-11, atol=1e-12, events=stopped)
-        t, state = float(found.t[-1]), [float(found.y[0, -1]), float(found.y[1, -1])]
-        if found.status == 1:
-            state[1] = 0.0
-            torque = torques(t, state[0])
-            direction = int(math.copysign(1.0, torque)) if abs(torque) > level(*state) else 0
-    return state[0], state[1]
-
-
-def stepped(until: float, steps: int) -> tuple[float, float]:
-    """Return angle and velocity after so many emitted steps."""
-    emitted, p = module("c2_parallel"), with_inertia("c2_parallel")
-    theta_m, omega_m, dt = 2.0, 0.0, until / steps
-    for k in range(steps):
-        omega_m = float(emitted.friction_step(theta_m, omega_m, torques(k * dt, theta_m), dt, p)[0])
-        theta_m += dt * omega_m
-    return theta_m, omega_m
-
-
-@pytest.mark.parametrize("until", [1.0, 2.0, 3.0])
-def test_the_step_is_of_first_order(until: float) -> None:
-    """Half the time step, half the error of the angle: from rest, and past the first reversal."""
-    exact, _ = reference(until)
-    errors = [abs(stepped(until, round(1000 * until) * n)[0] - exact) for n in (1, 2, 4)]
-
-    assert abs(exact - 2.0) > 3.0
-    for coarse, fine in itertools.pairwise(errors):
-        assert coarse / fine == pytest.approx(2.0, rel=0.05)
-
-
-@pytest.mark.parametrize("steps", [6_000, 24_000])
-def test_a_stop_is_missed_by_a_step_at_most(steps: int) -> None:
-    """A drive stops at the end of a step: past several stops the error is still a few steps of travel."""
-    until = 6.0
-    exact, omega_m = reference(until)
-
-    assert abs(omega_m) > 1.0
-    assert abs(stepped(until, steps)[0] - exact) < 2.0 * until / steps * abs(omega_m)
-
-
-def test_the_reference_is_the_paper() -> None:
-    """The load written here is that of the closed forms."""
-    p = oracle.exact(extended.KNOWN)
-    for theta_m, omega_m in ((0.3, 20.0), (15.0, -40.0)):
-        expected = oracle.paper.normal_force_c2(oracle.mpf(theta_m), oracle.mpf(omega_m), p)
-        assert normal_force(theta_m, omega_m) == pytest.approx(float(expected), rel=1e-13)
-
-
 def test_the_former_name_names_the_new_one(tmp_path: Path) -> None:
-    """In Python, in C and at the command line's `--functions`."""
-    with pytest.raises(AttributeError, match="now breakaway_torque, which returns the lower and the upper"):
-        module("c2_parallel").coulomb_torque()
+    """In Python, in compiled modules, in C and at the command line's `--functions`."""
+    need("gcc")
+    for emitted in (module("c2_parallel"), eccentric.compile("c2_parallel")):
+        with pytest.raises(
+            AttributeError, match="now breakaway_torque, which returns the lower and the upper"
+        ):
+            emitted.coulomb_torque()
     with pytest.raises(InputError, match="expected breakaway_torque, got 'coulomb_torque', its former"):
         eccentric.emit("c2_parallel", tmp_path / "out", functions=["coulomb_torque"])
 
-    need("gcc")
     source = tmp_path / "main.c"
     called = "int main(void) { return c2_parallel_coulomb_torque(&c2_parallel_default) > 0; }"
     source.write_text(f'#include "c2_parallel.h"\n{called}\n')

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, names_given, sources_of
-from eccentric.api.result import Result, fitted_model, placeholders_of, speeds_of
+from eccentric.api.result import Result, cut_levels_of, fitted_model, placeholders_of, speeds_of
 from eccentric.api.tables import ResultTable
 from eccentric.core import InputError, given_path, whole_file, whole_folder
 from eccentric.diagnosis import (
@@ -28,6 +28,8 @@ from eccentric.model import Model
 from eccentric.presentation import (
     Parameter,
     ReportData,
+    cut_sentences,
+    cuts_document,
     diagnosis_document,
     diagnosis_lines,
     horizons_document,
@@ -117,8 +119,10 @@ def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
     document, estimates = diagnosis_document(found), axis.estimates(found.result.estimates)
     model, data = extended_model(found), report_data(found, simulated)
     unsolvable = not_emitted(inertial_loss(model, *speeds_of(document)[1:]), axis)
-    document |= {"warnings": [*document["warnings"], *unsolvable]}
-    log = dataclasses.replace(data.log, warnings=(*data.log.warnings, *unsolvable))
+    cut = cut_levels_of(model, document, found.channels)
+    warnings = (*unsolvable, *cut_sentences(cut, axis))
+    document |= {"warnings": [*document["warnings"], *warnings], **cuts_document(cut, axis)}
+    log = dataclasses.replace(data.log, warnings=(*data.log.warnings, *warnings))
     fitted = {name: fitted_model(fit, axis) for name, fit in reversed([*fits.items()])}
     if found.data.drive.along is not None:
         fitted = {name: dataclasses.replace(model, drive=None) for name, model in fitted.items()}

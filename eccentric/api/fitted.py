@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, origin_of, sources_of
-from eccentric.api.result import Result, fitted_model, placeholders_of
+from eccentric.api.result import Result, cut_levels_of, fitted_model, placeholders_of
 from eccentric.api.tables import ResultTable, estimate_table
 from eccentric.core import InputError
 from eccentric.emission import read_parameters, with_fitted
@@ -23,6 +23,8 @@ from eccentric.model import Model
 from eccentric.presentation import (
     Comparison,
     compare,
+    cut_sentences,
+    cuts_document,
     fit_document,
     fit_lines,
     plot_fit,
@@ -81,9 +83,12 @@ def fit(
         lines = refined_lines(refined, axis) + lines
         warnings = [*document["warnings"], *refined_warnings(refined, axis)]
         document |= {"simulated": refined_document(refined), "warnings": warnings}
+    model = with_fitted(base, read_parameters(document), base.name)
+    cut = cut_levels_of(model, document, found.problem.drive.channels)
+    document |= {"warnings": [*document["warnings"], *cut_sentences(cut, axis)], **cuts_document(cut, axis)}
     return FitResult(
         base=base,
-        model=with_fitted(base, read_parameters(document), base.name),
+        model=model,
         origin=origin_of(chosen),
         estimates=estimates,
         combinations=axis.estimates(found.combinations),

@@ -26,8 +26,10 @@ from eccentric.emission import (
     WHOLE,
     Adaptation,
     Choice,
+    LevelCut,
     checked_name,
     complete,
+    cut_levels,
     gain_of,
     gravity_apart,
     load_module,
@@ -41,7 +43,7 @@ from eccentric.identification import Estimate, Fit, Refit
 from eccentric.model import AxisKind, Model
 from eccentric.presentation import NEEDS_MATPLOTLIB, emitted_parameters
 from eccentric.rigs import read_rig
-from eccentric.signals import read_channels
+from eccentric.signals import Channels, read_channels
 from eccentric.simulation import Draws, FittedDrive, Predicted, fitted_drive
 
 if TYPE_CHECKING:
@@ -123,6 +125,13 @@ def speeds_of(fit: Mapping[str, Any] | None) -> tuple[float, ...]:
     given = ranges if isinstance(ranges, Mapping) else {}
     speeds = given.get("speed_m_rad_s", given.get("speed_m_s"))  # of a turning or a sliding axis
     return tuple(map(float, speeds)) if isinstance(speeds, list | tuple) and len(speeds) == 2 else ()
+
+
+def cut_levels_of(model: Model, fit: Mapping[str, Any], channels: Channels) -> tuple[LevelCut, ...]:
+    """Where levels of dry friction of a fitted model are cut at 0, at the speeds of its log."""
+    warm, theta_m = fit["ranges"]["temperature_C"], channels.motion.theta_m
+    travel = (0.0, 0.0) if theta_m is None else (float(np.nanmin(theta_m)), float(np.nanmax(theta_m)))
+    return cut_levels(model, speeds_of(fit), travel, warm and sum(warm) / 2.0)
 
 
 # What every result offers.

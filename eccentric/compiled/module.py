@@ -6,7 +6,7 @@ import ctypes
 import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import count
 from pathlib import Path
 from types import ModuleType
@@ -259,9 +259,10 @@ def _served(entry: CacheEntry | None) -> ModuleType | None:
         entry.module, f"eccentric_compiled_{entry.name}_{next(_numbers)}", f"<{entry.name}.py as emitted>"
     )
     module = ModuleType(f"eccentric_compiled_{entry.name}", source.__doc__)
-    for name in (*source.__all__, "STATES", "follow_states"):
-        if hasattr(source, name):
-            setattr(module, name, getattr(source, name))
+    for name in source.__all__:
+        setattr(module, name, getattr(source, name))
+    # A former name is not public: calling it is the same error as in the NumPy module.
+    setattr(module, "__getattr__", partial(getattr, source))  # noqa: B010 - no attribute of ModuleType
     try:
         made = functions(entry, cache_folder() / entry.library, source)
     except OSError:

@@ -89,5 +89,9 @@ def evaluated(function: Any, axis: AxisKind, states: Mapping[Quantity, np.ndarra
 
 def turn_of_link(model: Model, count: int) -> np.ndarray:
     """That many motor angles over a turn of the link [rad] (count,)."""
-    mu = next((float(q.default) for q in model.parameters if q.name == "mu" and q.default is not None), 1.0)
-    return np.linspace(0.0, 2.0 * math.pi / mu, count, endpoint=False)
+    return np.linspace(0.0, 2.0 * math.pi / link_over_motor(model), count, endpoint=False)
+
+
+def link_over_motor(model: Model) -> float:
+    """The value of the gear ratio mu; 1 for a model without one."""
+    return next((float(q.default) for q in model.parameters if q.name == "mu" and q.default is not None), 1.0)

@@ -15,12 +15,14 @@ from eccentric.presentation.diagnosis_json import diagnosis_document as diagnosi
 from eccentric.presentation.diagnosis_text import diagnosis_lines as diagnosis_lines
 from eccentric.presentation.diagnosis_text import diagnosis_sentence as diagnosis_sentence
 from eccentric.presentation.diagnosis_text import stability_words as stability_words
+from eccentric.presentation.fit_json import cuts_document as cuts_document
 from eccentric.presentation.fit_json import emitted_parameters as emitted_parameters
 from eccentric.presentation.fit_json import fit_document as fit_document
 from eccentric.presentation.fit_text import NEEDS_MATPLOTLIB as NEEDS_MATPLOTLIB
 from eccentric.presentation.fit_text import Comparison as Comparison
 from eccentric.presentation.fit_text import aligned as aligned
 from eccentric.presentation.fit_text import compare as compare
+from eccentric.presentation.fit_text import cut_sentences as cut_sentences
 from eccentric.presentation.fit_text import fit_lines as fit_lines
 from eccentric.presentation.fit_text import fit_sentence as fit_sentence
 from eccentric.presentation.fit_text import plot_fit as plot_fit

@@ -23,6 +23,9 @@ the interval:
     placeholders      letter: value in the emitted module of what is neither known nor identified, such as
                       R = 1 and k_e = 0 without a voltage
     parameter_notes   letter: known, fitted (with uncertainty) or convention, in words
+    levels_cut        only where dry friction would be negative: direction (forward, backward or both), the
+                      motor speed_m_rad_s at which it is lowest, that level lowest_Nm, intervals of the link
+                      angle [rad]
     back_emf_in_friction  whether the viscous friction contains the back-EMF: a voltage alone, k_e unknown
     torque_unit       of the parameters: N m, or V or A where the log has no scale for a torque
     current_known     whether the parameters give a current in amperes: not where a voltage gives R/k_i alone
@@ -45,6 +48,7 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.emission import LevelCut
 from eccentric.identification import (
     NO_BACK_EMF,
     Estimate,
@@ -62,6 +66,8 @@ from eccentric.rigs import ALIGNMENT, COASTING, alignment_of, knowns_of
 from eccentric.signals import Channels
 
 FORMAT = "eccentric-fit/1"
+DIRECTIONS: Mapping[tuple[int, ...], str] = {(1,): "forward", (-1,): "backward", (1, -1): "both"}
+"""Of motion, in which a level is cut."""
 
 
 def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
@@ -173,6 +179,20 @@ def estimate_entry(e: Estimate, axis: AxisKind, unit: str | None = None) -> dict
         "at_bound": e.bound_active is not None,
         "widened_by_bound": e.widened,
     }
+
+
+def cuts_document(cuts: Sequence[LevelCut], axis: AxisKind) -> dict[str, Any]:
+    """Where levels of dry friction are cut at 0, in every document; nothing where they are not."""
+    entries = [
+        {
+            "direction": DIRECTIONS[cut.directions],
+            "speed_m_rad_s": cut.speed,
+            "lowest_Nm": cut.lowest,
+            "intervals": [list(ends) for ends in cut.intervals],
+        }
+        for cut in cuts
+    ]
+    return axis.keyed({"levels_cut": entries}) if entries else {}
 
 
 def gain_entry(percent: float, interval: Sequence[float]) -> dict[str, Any]:

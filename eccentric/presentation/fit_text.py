@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.core import few
+from eccentric.emission import LevelCut
 from eccentric.identification import DRIVE_UNITS, LEAST_GAIN_PERCENT, MOST_POINTS, Estimate, Fit
 from eccentric.model import AxisKind, model_names
 from eccentric.rigs import Rig
@@ -22,6 +23,7 @@ _DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}
 _BASELINE = "Coulomb + viscous"
 _SHOWN_PERCENT = 0.05
 """What is smaller is 0.0 % with one digit, and neither better nor worse."""
+_MOST_INTERVALS = 4
 _OF_A_LINK = ', mu, and the zero angle (theta_zero_rad = "estimate" estimates it)'
 
 
@@ -142,6 +144,23 @@ def _undetected_lines(fit: Fit) -> list[str]:
             )
         out.append(line)
     return out
+
+
+def cut_sentences(cuts: Sequence[LevelCut], axis: AxisKind) -> tuple[str, ...]:
+    """Where levels of dry friction are cut at 0, and how far below they would be."""
+    place, unit = ("link angles" if axis.wraps else axis.term("motor angles")), axis.unit("rad")
+    found = []
+    for cut in cuts:
+        way = "" if len(cut.directions) > 1 else " forwards" if 1 in cut.directions else " backwards"
+        ends = ", ".join(f"{low:.4g} to {high:.4g}" for low, high in cut.intervals[:_MOST_INTERVALS])
+        more = len(cut.intervals) - _MOST_INTERVALS
+        ends += f" {unit}" + (f" and {more} more intervals" if more > 0 else "")
+        speed = f"at {cut.speed:.4g} {axis.unit('rad/s')}" if cut.speed else "at rest"
+        found.append(
+            f"the fitted dry friction{way} would be negative at {place} {ends}, down to {cut.lowest:.3g}"
+            f" {axis.unit('N m')} {speed}: friction_budget and friction_step limit it to 0 there"
+        )
+    return tuple(found)
 
 
 def _because(name: str, estimates: Mapping[str, Estimate]) -> str:
