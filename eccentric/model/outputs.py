@@ -242,7 +242,7 @@ def drive_interface(model: Model) -> Interface:
         return (("", value),)
 
     follows = v.alpha_m.symbol in model.expand(friction).free_symbols
-    of_before = "; alpha_m is that of the step before, 0 at rest" if follows else ""
+    begun = "step begun at alpha_m and" if follows else "time step and the"
     with_inertia = {"taken": frozenset({v.alpha_m.name}) if inertia else frozenset(), "requires": inertia}
     listed = [
         output("normal_force", "N", "normal force F_N on the axis of rotation", one(force or sp.S.Zero)),
@@ -334,7 +334,7 @@ def drive_interface(model: Model) -> Interface:
             output(
                 "friction_step",
                 "rad/s, N m",
-                "velocity after a time step and the friction torque in it" + of_before,
+                f"velocity after a {begun} friction torque in it",
                 stepped,
                 before=(*dry.definitions, *on_the_way),
                 requires=inertia,
