@@ -92,8 +92,8 @@ def _kinds(
     )
     if not {"R", "k_e"} <= set(rig.known):
         return {**kinds, by: "held"}, None, said
-    said[-1] += "; the standard errors contain that"
-    r, cut = rig.known["R"], math.inf if is_coarse(points.table, rig) else rig.sampling.low_pass_hz
+    said[-1] += ", which is in the standard errors of the fit"
+    r, cut = rig.known["R"], _cut(points.table, rig)
     current = SampledCurrent(r, -rig.known["k_e"] / r, 0.0, 0.0, True, points.segment, cut)
     return kinds, current.anywhere(step), said
 
@@ -112,33 +112,32 @@ def _by_the_circuit(
     kinds, said = rig.log.kinds, []
     if "voltage" not in kinds and (more := _evidence_of_hold(points, rig, "voltage", step)) >= limits.PROVED:
         kinds, said = {**kinds, "voltage": "held"}, [_held("voltage", step, more)]
-    kind, count = kinds.get("voltage", "sample"), max(1, round(limits.CIRCUIT_ROW_S / step))
-    means = thinned(points.table, count) if count > 1 else points.table
-    cut = math.inf if is_coarse(points.table, rig) else rig.sampling.low_pass_hz
-    found = (
-        None
-        if kind == "mean"
-        else sampled_current(points.table, means, kind == "held", points.threshold, cut)
-    )
+    kind, table = kinds.get("voltage", "sample"), points.table
+    if kind == "mean":
+        return kinds, None, []
+    count = max(1, round(limits.CIRCUIT_ROW_S / step))
+    means = thinned(table, count) if count > 1 else table
+    found = sampled_current(table, means, kind == "held", points.threshold, _cut(table, rig))
     if found is None or (kind == "sample" and abs(found.late_s) < limits.PROVED * found.error_s):
         return kinds, None, []
     if found.error_s > limits.ANYWHERE * step:
         found = found.anywhere(step)
-        when = "the circuit does not show when in its row the current was sampled: the standard errors contain that"
+        when = "the circuit does not show when in its row the current was sampled, which is"
     else:
         late, error = 100.0 * found.late_s / step, 100.0 * found.error_s / step
         when = (
             f"by the circuit, the current was sampled at {late:.0f} % of its row, with a standard error of"
-            f" {error:.2g} % that is in those of the fit"
+            f" {error:.2g} %, which is"
         )
-    return (
-        kinds,
-        found,
-        [
-            *said,
-            f'{when} ([kinds] current = "held" of the rig, where a current loop holds it, overrides this)',
-        ],
+    when += (
+        ' in the standard errors of the fit (if a current loop holds the current, [kinds] current = "held")'
     )
+    return kinds, found, [*said, when]
+
+
+def _cut(table: Table, rig: Rig) -> float:
+    """The low pass of the angle [Hz], infinite for a log that is too coarse for one."""
+    return math.inf if is_coarse(table, rig) else rig.sampling.low_pass_hz
 
 
 def _evidence_of_hold(points: _Points, rig: Rig, by: str, step: float) -> float:

@@ -253,12 +253,11 @@ class Channels:
 
     @property
     def later(self) -> Channels | None:
-        """The same channels with the current sampled one standard error later; None if that is no question."""
-        if self.motor.current_later is None:
+        """The same channels with the current sampled one standard error later; None if that is known."""
+        later = self.motor.current_later
+        if later is None:
             return None
-        return dataclasses.replace(
-            self, motor=dataclasses.replace(self.motor, current=self.motor.current_later)
-        )
+        return dataclasses.replace(self, motor=dataclasses.replace(self.motor, current=later))
 
     def narrowed(self, rig: Rig) -> Channels:
         """The same channels with the angle after a lower low pass than that of the rig.
