@@ -234,7 +234,7 @@ LEAST_WINDOW_ROWS = 7
 """Least rows of a window integrated by parts: with fewer, its weights are those of a difference."""
 MOVING_PART = 0.5
 """Least fraction of a window's weight on moving rows, in a log too coarse for windows of moving rows only."""
-TURNING_PART = 0.8
+TURNING_PARTS = (0.95, 0.8)
 """The same above the threshold of the speed, reversals included, where enough windows have it: at standstill
 friction is less than its law says, and J would take that."""
 PER_COEFFICIENT, PER_COEFFICIENT_OF_RUNS = 10, 3
