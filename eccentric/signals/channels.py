@@ -94,8 +94,8 @@ def _kinds(
         return {**kinds, by: "held"}, None, said
     said[-1] += ", which is in the standard errors of the fit"
     r, cut = rig.known["R"], _cut(points.table, rig)
-    current = SampledCurrent(r, -rig.known["k_e"] / r, 0.0, 0.0, True, points.segment, cut)
-    return kinds, current.anywhere(step), said
+    when = 0.5 * step, limits.ANYWHERE * step
+    return kinds, SampledCurrent(r, -rig.known["k_e"] / r, *when, True, points.segment, cut), said
 
 
 def _held(name: str, step: float, more: float) -> str:
@@ -117,11 +117,10 @@ def _by_the_circuit(
         return kinds, None, []
     count = max(1, round(limits.CIRCUIT_ROW_S / step))
     means = thinned(table, count) if count > 1 else table
-    found = sampled_current(table, means, kind == "held", points.threshold, _cut(table, rig))
+    found = sampled_current(table, means, kind == "held", points.threshold, _cut(table, rig), step)
     if found is None or (kind == "sample" and abs(found.late_s) < limits.PROVED * found.error_s):
         return kinds, None, []
-    if found.error_s > limits.ANYWHERE * step:
-        found = found.anywhere(step)
+    if found.error_s == limits.ANYWHERE * step:
         when = "the circuit does not show when in its row the current was sampled, which is"
     else:
         late, error = 100.0 * found.late_s / step, 100.0 * found.error_s / step

@@ -445,10 +445,6 @@ class SampledCurrent:
         own = {name: out.channels[name] + falls for name in moved}
         return dataclasses.replace(out, channels={**out.channels, **own})
 
-    def anywhere(self, step: float) -> SampledCurrent:
-        """The same, if nothing is known of the instant but its row of that length [s]."""
-        return dataclasses.replace(self, late_s=0.5 * step, error_s=limits.ANYWHERE * step)
-
     def _over_r(self, table: Table, late_s: float) -> Array:
         """The voltage over R (n,): in each row if it is held, else at its time."""
         x = table.channels["current"] - self.slope * _motion(table, self.levels, late_s, self.cut_hz)[0]
@@ -456,7 +452,7 @@ class SampledCurrent:
 
 
 def sampled_current(
-    table: Table, points: Table, held: bool, slow: float, cut_hz: float
+    table: Table, points: Table, held: bool, slow: float, cut_hz: float, row_s: float
 ) -> SampledCurrent | None:
     """When in its row the current was sampled; None if the circuit does not explain the voltage.
 
@@ -466,6 +462,7 @@ def sampled_current(
         held: whether the voltage is held from row to row.
         slow: speed [rad/s] below which its sign says nothing.
         cut_hz: of the low pass of the angle, infinite where there is none.
+        row_s: how long a row of the log lasts [s].
     """
     t, u, x = (points.channels[name] for name in ("time", "voltage", "current"))
     levels, usable = _levels(points, held), points.use & ~points.motor_off
@@ -473,27 +470,36 @@ def sampled_current(
     rows = rows[(levels[rows - 1] == levels[rows + 2]) & usable[rows]]
     if len(rows) < limits.LEAST_WINDOWS:
         return None
-    rate = _rate(points, held)
-    one, late_s, k_e = np.ones(len(rows)), 0.0, math.inf
-    turns = _motion(points, levels, 0.0, math.inf)[0][rows]
+    rate, one = _rate(points, held), np.ones(len(t))
+    turns = _motion(points, levels, 0.0, math.inf)[0]
     way = np.where(np.abs(turns) > slow, np.sign(turns), 0.0)
+    beside = [u[rows - 1], u[rows + 2], x[rows - 1], x[rows + 1]]
     # Instruments (Wooldridge, Econometric Analysis, 5): the noise of a row is in none of its neighbours.
-    basis = np.linalg.qr(np.column_stack([one, way, u[rows - 1], u[rows + 2], x[rows - 1], x[rows + 1]]))[0]
-    for _ in range(limits.GUESSES):
+    basis = np.linalg.qr(np.column_stack([one[rows], way[rows], *beside]))[0]
+
+    def solved(late_s: float, k_e: float, unknowns: int) -> tuple[Array, Array, Array]:
+        """R, k_e, an offset, and k_e times what the guess of the instant lacks; residual and weights."""
         w, a = _motion(points, levels, late_s, math.inf)
-        design = np.column_stack([x, w, a - rate / k_e])[rows]
+        design = np.column_stack([x, w, one, a - rate / k_e])[rows, :unknowns]
         target = (u + rate * late_s)[rows]
-        projected = basis @ (basis.T @ np.column_stack([design, one]))
-        solve = np.linalg.pinv(projected)
-        r, k_e, more, offset = solve @ target
-        left = target - design @ [r, k_e, more] - offset
-        if r <= 0.0 or k_e <= 0.0 or np.var(left) > (1.0 - limits.CIRCUIT_EXPLAINED) * np.var(target):
+        weights = np.asarray(np.linalg.pinv(basis @ (basis.T @ design)), float)
+        return weights @ target, target - design @ (weights @ target), weights
+
+    late_s, (found, left, weights) = 0.0, solved(0.0, math.inf, 4)
+    for _ in range(limits.GUESSES):
+        explained = np.var(left) <= (1.0 - limits.CIRCUIT_EXPLAINED) * np.var(u[rows])
+        if not (explained and found[0] > 0.0 and found[1] > 0.0):
             return None
-        late_s += more / k_e
-    block = blocks_of(t[rows], stretches(t, points.run)[rows], t)
-    scores = np.bincount(np.unique(block, return_inverse=True)[1], solve[2] * left)
-    error = float(np.linalg.norm(scores) / k_e)
-    return SampledCurrent(float(r), float(-k_e / r), float(late_s), error, held, _levels(table, held), cut_hz)
+        late_s += float(found[3] / found[1])
+        found, left, weights = solved(late_s, float(found[1]), 4)
+    block = np.unique(blocks_of(t[rows], stretches(t, points.run)[rows], t), return_inverse=True)[1]
+    error_s = float(np.linalg.norm(np.bincount(block, weights[3] * left)) / found[1])
+    if error_s > limits.ANYWHERE * row_s:
+        # It may be anywhere in the row: R and k_e are those with the middle.
+        late_s, error_s = 0.5 * row_s, limits.ANYWHERE * row_s
+        found, _, _ = solved(late_s, float(found[1]), 3)
+    r, k_e = (float(x) for x in found[:2])
+    return SampledCurrent(r, -k_e / r, late_s, error_s, held, _levels(table, held), cut_hz)
 
 
 def _rate(table: Table, held: bool) -> Array:
