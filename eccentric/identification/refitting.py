@@ -61,7 +61,7 @@ def _of_balance(
     # A shape is free in its error even at an end of its range, where its estimate says so.
     error = solution.spread(
         [Nonlinear(n, "", -np.inf, np.inf, (), 0.0) for n in shapes],
-        tuple(one.design(balance, point) for one in (fit, *others)),
+        tuple(one.design(balance, point) for one in (fit, *others)) if others else (),
     )
     coefficients, values = solution.design.coefficients, point.values
     units = {q.name: in_drive_unit(q.unit, drive.unit) for q in fit.model.parameters}

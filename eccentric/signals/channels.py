@@ -87,21 +87,19 @@ def _kinds(
         return {**kinds, by: "held"}, None, said
     k_i, k_e, inertia = rig.axis.named("k_i"), rig.axis.named("k_e"), rig.axis.term("inertia")
     said.append(
-        f"no logged voltage shows whether the current changes between rows: if it falls with the speed, the"
-        f" {inertia} is wrong by up to {k_i} {k_e} h/(2 R), with rows of h = {step:.3g} s"
+        "if the current falls with the speed between rows, which the interval contains only with R and k_e"
+        f" in [known], the {inertia} is wrong by up to {k_i} {k_e} h/(2 R), h = {step:.3g} s"
     )
     if not {"R", "k_e"} <= set(rig.known):
         return {**kinds, by: "held"}, None, said
-    said[-1] += ", which is in the standard errors of the fit"
-    r, cut = rig.known["R"], _cut(points.table, rig)
-    when = 0.5 * step, limits.ANYWHERE * step
+    r, cut, when = rig.known["R"], _cut(points.table, rig), (0.5 * step, limits.ANYWHERE * step)
     return kinds, SampledCurrent(r, -rig.known["k_e"] / r, *when, True, points.segment, cut), said
 
 
 def _held(name: str, step: float, more: float) -> str:
     return (
         f"the {name} is held from row to row, {step:.3g} s each: that explains the motion better than samples"
-        f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" of the rig overrides this)'
+        f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" overrides this)'
     )
 
 
@@ -120,16 +118,10 @@ def _by_the_circuit(
     found = sampled_current(table, means, kind == "held", points.threshold, _cut(table, rig), step)
     if found is None or (kind == "sample" and abs(found.late_s) < limits.PROVED * found.error_s):
         return kinds, None, []
-    if found.error_s == limits.ANYWHERE * step:
-        when = "the circuit does not show when in its row the current was sampled, which is"
-    else:
-        late, error = 100.0 * found.late_s / step, 100.0 * found.error_s / step
-        when = (
-            f"by the circuit, the current was sampled at {late:.0f} % of its row, with a standard error of"
-            f" {error:.2g} %, which is"
-        )
-    when += (
-        ' in the standard errors of the fit (if a current loop holds the current, [kinds] current = "held")'
+    late, error = 100.0 * found.late_s / step, 100.0 * found.error_s / step
+    when = (
+        f"by the circuit, the current was sampled at {late:.0f} +- {error:.2g} % of its row, which is in the"
+        ' standard errors of the fit (for a current loop that holds it: [kinds] current = "held")'
     )
     return kinds, found, [*said, when]
 
