@@ -87,8 +87,8 @@ def _kinds(
         return {**kinds, by: "held"}, None, said
     k_i, k_e, inertia = rig.axis.named("k_i"), rig.axis.named("k_e"), rig.axis.term("inertia")
     said.append(
-        f"the {inertia} is wrong by up to {k_i} {k_e} h/(2 R), h = {step:.3g} s, if the current falls with the"
-        " speed between rows; its interval contains that only with R and k_e in [known]"
+        f"the {inertia} is wrong by up to {k_i} {k_e} h/(2 R), h = {step:.3g} s, if the current falls with"
+        " the speed between rows; its interval contains that only with R and k_e in [known]"
     )
     if not {"R", "k_e"} <= set(rig.known):
         return {**kinds, by: "held"}, None, said
