@@ -346,6 +346,12 @@ class Drive:
         along = None if self.along is None else self.along.narrowed(channels.rig.sampling.low_pass_hz)
         return replace(self, channels=channels, along=along)
 
+    @property
+    def later(self) -> Drive | None:
+        """The same with the current sampled one standard error later in its row; None if that is known."""
+        channels = self.channels.later
+        return None if channels is None else replace(self, channels=channels)
+
     def aligned(self, rig: Rig, values: Mapping[str, float]) -> Drive:
         """The same with another delay, zero angle or offset, by the names of the rig."""
         alignment = replace(self.channels.alignment, **values)

@@ -174,6 +174,12 @@ class FitData:
         values = {**found.signals.values, "i": self.signals.values["i"]}
         return replace(found, signals=replace(found.signals, values=values))
 
+    @property
+    def later(self) -> FitData | None:
+        """The same log with the current sampled one standard error later in its row."""
+        drive = self.drive.later
+        return None if drive is None else replace(self, drive=drive)
+
     def residuals(
         self, model: Model, shapes: Mapping[str, float], values: Values, scale: float | None
     ) -> Residuals:

@@ -168,9 +168,8 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log", *, by_cu
     }
     paper, profiles = profiled(problem, paper)
     solutions["paper"] = paper
-    narrowed = problem.narrowed
-    filtered = None if narrowed is None else (paper.design, narrowed.design(paper.at))
-    error = paper.spread(problem.nonlinear, filtered)
+    others = [one.design(paper.at) for one in (problem.narrowed, problem.later) if one is not None]
+    error = paper.spread(problem.nonlinear, (paper.design, *others))
     return _judged(problem, solutions, profiles, error, problem)
 
 

@@ -172,6 +172,12 @@ class Problem:
         channels, rig = drive.channels, drive.channels.rig
         return dataclasses.replace(self, drive=drive, rig=rig, rows=fit_rows(channels, rig))
 
+    @property
+    def later(self) -> Problem | None:
+        """The same problem with the current sampled one standard error later in its row."""
+        drive = self.drive.later
+        return None if drive is None else dataclasses.replace(self, drive=drive)
+
     def held_out(self, solution: Solution) -> tuple[Array, Array]:
         """Residual and drive signal on the held-out rows that every command compares models on."""
         residual, rows = self.compared(solution)

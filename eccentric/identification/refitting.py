@@ -30,10 +30,9 @@ def estimates(fit: Extended, step: Step) -> tuple[dict[str, Estimate], Array]:
     """
     found: dict[str, Estimate] = {}
     blocks: list[Array] = []
-    data = fit.data.narrowed
-    narrowed = None if data is None else replace(fit, data=data)
+    others = [replace(fit, data=x) for x in (fit.data.narrowed, fit.data.later) if x is not None]
     for balance in step.solutions:
-        own, covariance = _of_balance(fit, step, balance, narrowed)
+        own, covariance = _of_balance(fit, step, balance, others)
         found |= own
         blocks.append(covariance)
     whole = np.full((len(found), len(found)), np.nan)
@@ -46,7 +45,7 @@ def estimates(fit: Extended, step: Step) -> tuple[dict[str, Estimate], Array]:
 
 
 def _of_balance(
-    fit: Extended, step: Step, balance: str, narrowed: Extended | None
+    fit: Extended, step: Step, balance: str, others: list[Extended]
 ) -> tuple[dict[str, Estimate], Array]:
     """The estimates from one balance and their covariance; shapes enter by the slope of the residual."""
     drive, point, solution = fit.data.drive, step.point, step.solutions[balance]
@@ -59,7 +58,7 @@ def _of_balance(
     # A shape is free in its error even at an end of its range, where its estimate says so.
     error = solution.spread(
         [Nonlinear(n, "", -np.inf, np.inf, (), 0.0) for n in shapes],
-        None if narrowed is None else (fit.design(balance, point), narrowed.design(balance, point)),
+        tuple(one.design(balance, point) for one in (fit, *others)) if others else (),
     )
     coefficients, values = solution.design.coefficients, point.values
     units = {q.name: in_drive_unit(q.unit, drive.unit) for q in fit.model.parameters}

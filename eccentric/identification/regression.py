@@ -242,13 +242,11 @@ class Solution:
             for c, x, unit, active in every
         }
 
-    def spread(
-        self, nonlinear: Sequence[Nonlinear] = (), filtered: tuple[Design, Design] | None = None
-    ) -> Spread:
+    def spread(self, nonlinear: Sequence[Nonlinear] = (), filtered: tuple[Design, ...] = ()) -> Spread:
         """Return the joint spread of the coefficients and then the nonlinear values.
 
-        `filtered` is the design at one point, and the same after another filter that would do as well: what
-        that would change is an error of unknown sign.
+        `filtered` is the design at one point, and the same after another filter that would do as well, or
+        with the drive at another instant: what each would change is an error of unknown sign.
         """
         design = self.design
         ends = [n.end_at(self.at[n.name]) for n in nonlinear]
@@ -261,12 +259,12 @@ class Solution:
             np.concatenate([design.lower, [n.lower for n in nonlinear]]),
             np.concatenate([design.upper, [n.upper for n in nonlinear]]),
         )
-        if filtered is None:
+        if len(filtered) < 2:
             return found
         # The point need not be the optimum of the first: only the difference is the filter's.
-        before, after = (self._step(one, active == 0) for one in filtered)
-        moved = after - before
-        return dataclasses.replace(found, matrix=found.matrix + np.outer(moved, moved))
+        before, *after = (self._step(one, active == 0) for one in filtered)
+        moved = np.array(after) - before
+        return dataclasses.replace(found, matrix=found.matrix + moved.T @ moved)
 
     def _tangents(self, design: Design) -> Array:
         """The columns of a design, then the slopes by the nonlinear values, on fitted rows, weighted."""

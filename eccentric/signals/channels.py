@@ -41,7 +41,7 @@ from eccentric.signals.motion import (
     uneven,
 )
 from eccentric.signals.quality import assess
-from eccentric.signals.rows import BehindHold, at_times, behind_hold, evidence, refined
+from eccentric.signals.rows import LATER, SampledCurrent, at_times, evidence, refined, sampled_current
 from eccentric.signals.sampling import windows_by_parts
 from eccentric.signals.table import Holdout, Table, hold_out, read_table
 
@@ -64,42 +64,71 @@ def is_coarse(table: Table, rig: Rig) -> bool:
     return rig.sampling.low_pass_hz * logged_step(table) > limits.COARSE and not rig.sampling.average_over
 
 
-def _kinds(points: _Points, rig: Rig, step: float) -> tuple[Mapping[str, str], BehindHold | None, list[str]]:
+def _kinds(
+    points: _Points, rig: Rig, step: float
+) -> tuple[Mapping[str, str], SampledCurrent | None, list[str]]:
     """What a row's value stands for, by channel: by the rig, or as a coarse log proves; and a warning."""
     kinds, by = rig.log.kinds, _drive(points.table.channels, rig)
     by = "torque_l" if by not in points.table.channels else by
-    if (
-        by in kinds
-        or step < limits.COARSE_ROW_S * (1.0 - limits.ROUNDED_RATE)
-        or math.isinf(rig.sampling.average_over)
-    ):
+    if by in kinds or math.isinf(rig.sampling.average_over):
+        return kinds, None, []
+    coarse = step >= limits.COARSE_ROW_S * (1.0 - limits.ROUNDED_RATE)
+    if by == "current" and "voltage" in points.table.channels and (coarse or "voltage" in kinds):
+        own, current, said = _by_the_circuit(points, rig, step)
+        if current is not None:
+            return own, current, said
+    if not coarse:
         return kinds, None, []
     more = _evidence_of_hold(points, rig, by, step)
     if more < limits.PROVED:
         return kinds, None, []
-    name = rig.axis.named(by)
-    behind = _behind_hold(points, rig, by, step)
-    if behind is None:
-        how, kinds = "held from row to row", {**kinds, by: "held"}
-    else:
-        when = "ends" if behind.late else "starts"
-        how = f"held apart from the back-EMF between steps, and sampled at row {when}"
-        kinds = {"voltage": "held", **kinds}
-    said = (
-        f"the {name} is {how}, {step:.3g} s each: that explains the motion better than samples"
+    said = [_held(rig.axis.named(by), step, more)]
+    if by != "current":
+        return {**kinds, by: "held"}, None, said
+    k_i, k_e, inertia = rig.axis.named("k_i"), rig.axis.named("k_e"), rig.axis.term("inertia")
+    said.append(
+        f"the {inertia} is wrong by up to {k_i} {k_e} h/(2 R), h = {step:.3g} s, if the current falls with"
+        " the speed between rows; its interval contains that only with R and k_e in [known]"
+    )
+    if not {"R", "k_e"} <= set(rig.known):
+        return {**kinds, by: "held"}, None, said
+    r, cut, when = rig.known["R"], _cut(points.table, rig), (0.5 * step, limits.ANYWHERE * step)
+    return kinds, SampledCurrent(r, -rig.known["k_e"] / r, *when, True, points.segment, cut), said
+
+
+def _held(name: str, step: float, more: float) -> str:
+    return (
+        f"the {name} is held from row to row, {step:.3g} s each: that explains the motion better than samples"
         f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" in the rig file overrides this)'
     )
-    return kinds, behind, [said]
 
 
-def _behind_hold(points: _Points, rig: Rig, by: str, step: float) -> BehindHold | None:
-    """How a current falls with the speed between the jumps of a held voltage; None without such a voltage."""
-    kind = rig.log.kinds.get("voltage", "")
-    if by != "current" or "voltage" not in points.table.channels or kind not in ("", "held"):
-        return None
-    if not kind and _evidence_of_hold(points, rig, "voltage", step) < limits.PROVED:
-        return None
-    return behind_hold(points.table, by)
+def _by_the_circuit(
+    points: _Points, rig: Rig, step: float
+) -> tuple[Mapping[str, str], SampledCurrent | None, list[str]]:
+    """When in its row a current was sampled, by the voltage, and warnings; None where nothing shows it."""
+    kinds, said = rig.log.kinds, []
+    if "voltage" not in kinds and (more := _evidence_of_hold(points, rig, "voltage", step)) >= limits.PROVED:
+        kinds, said = {**kinds, "voltage": "held"}, [_held("voltage", step, more)]
+    kind, table = kinds.get("voltage", "sample"), points.table
+    if kind == "mean":
+        return kinds, None, []
+    count = max(1, round(limits.CIRCUIT_ROW_S / step))
+    means = thinned(table, count) if count > 1 else table
+    found = sampled_current(table, means, kind == "held", points.threshold, _cut(table, rig), step)
+    if found is None or (kind == "sample" and abs(found.late_s) < limits.PROVED * found.error_s):
+        return kinds, None, []
+    late, error = 100.0 * found.late_s / step, 100.0 * found.error_s / step
+    when = (
+        f"by the circuit, the current was sampled at {late:.0f} +- {error:.2g} % of its row, which is in the"
+        ' standard errors of the fit (for a current loop that holds it: [kinds] current = "held")'
+    )
+    return kinds, found, [*said, when]
+
+
+def _cut(table: Table, rig: Rig) -> float:
+    """The low pass of the angle [Hz], infinite for a log that is too coarse for one."""
+    return math.inf if is_coarse(table, rig) else rig.sampling.low_pass_hz
 
 
 def _evidence_of_hold(points: _Points, rig: Rig, by: str, step: float) -> float:
@@ -232,11 +261,11 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     warnings += said
     cut, doubts = rig.sampling.low_pass_hz, uneven(logged, rig.axis)
     step = logged_step(logged)
-    kinds, behind, said = _kinds(points, rig, step)
+    kinds, current, said = _kinds(points, rig, step)
     warnings += said
 
     def read_by(how: Callable[[Table, Mapping[str, str]], Table]) -> Table:
-        return how(table, kinds) if behind is None else behind.read(how, table, kinds)
+        return how(table, kinds) if current is None else current.read(how, table, kinds)
 
     together = rows_a_point(step, rig) if logged.is_excerpt else 1
     if together > 1:
@@ -248,7 +277,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
             math.inf,
             [],
         )
-    elif kinds or behind:
+    elif kinds or current:
         points = dataclasses.replace(points, table=read_by(at_times))
     motion, said = motion_of(points.t, points.theta, points.segment, cut, rig.axis)
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
@@ -373,6 +402,7 @@ def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels
             voltage=table.channels.get("voltage"),
             voltage_logged=table.channels.get("voltage"),
             current=table.channels.get("current"),
+            current_later=table.channels.get(LATER),
             torque=motor_side(table, rig, "torque", "torque_l"),
             off=table.motor_off,
             measured_by=_drive(table.channels, rig),

@@ -140,9 +140,11 @@ PROVED = 3.0
 """Standard errors of the evidence for a hold: one log in 700 of sampled drives would show as much."""
 CIRCUIT_EXPLAINED = 0.9
 """R^2 of u = R i + k_e w from which the voltage beside a current that jumps is that of its winding."""
-SAMPLED_WHEN = 0.1
-"""Standard error, in rows, up to which start, middle and end of a row are told apart, half a row each."""
-GUESSES = 3
+CIRCUIT_ROW_S = 0.02
+"""Shorter rows are averaged to this for the circuit: the noise of the angle would be most of their speed."""
+ANYWHERE = 12.0**-0.5
+"""Standard deviation, in rows, of an instant that may be anywhere in its row."""
+GUESSES = 5
 """Of when in its row a current was sampled: each leaves a tenth of the last one's error."""
 JUMP = 5.0
 """Step of a voltage over the median step from which it is a jump: half of the steps of a log are noise."""
@@ -232,7 +234,7 @@ LEAST_WINDOW_ROWS = 7
 """Least rows of a window integrated by parts: with fewer, its weights are those of a difference."""
 MOVING_PART = 0.5
 """Least fraction of a window's weight on moving rows, in a log too coarse for windows of moving rows only."""
-TURNING_PART = 0.8
+TURNING_PARTS = (0.95, 0.8)
 """The same above the threshold of the speed, reversals included, where enough windows have it: at standstill
 friction is less than its law says, and J would take that."""
 PER_COEFFICIENT, PER_COEFFICIENT_OF_RUNS = 10, 3

@@ -75,7 +75,8 @@ class Motor:
     `voltage` [V] has delay and offset taken out, `voltage_logged` has not; `current` [A]; `torque` [N m], on
     the motor side. `off` is where the motor is switched off: no drive torque, no back-EMF. `measured_by` says
     which of "current", "torque" and "voltage" measures the drive torque. `coasting`
-    is a log that nothing drives: its torque is 0 throughout.
+    is a log that nothing drives: its torque is 0 throughout. `current_later` is the current if it was
+    sampled one standard error later in its row, None where that is not in question.
     """
 
     voltage: Array | None
@@ -85,6 +86,7 @@ class Motor:
     off: Mask
     measured_by: str
     coasting: bool = False
+    current_later: Array | None = None
 
     @property
     def measured(self) -> Array:
@@ -248,6 +250,14 @@ class Channels:
             motor=dataclasses.replace(self.motor, voltage=voltage),
             alignment=alignment,
         )
+
+    @property
+    def later(self) -> Channels | None:
+        """The same channels with the current sampled one standard error later; None if that is known."""
+        later = self.motor.current_later
+        if later is None:
+            return None
+        return dataclasses.replace(self, motor=dataclasses.replace(self.motor, current=later))
 
     def narrowed(self, rig: Rig) -> Channels:
         """The same channels with the angle after a lower low pass than that of the rig.

@@ -20,7 +20,7 @@ from scipy.sparse import csr_array, vstack
 
 from eccentric.core import InputError
 from eccentric.signals import limits
-from eccentric.signals.filters import places_of, rows_of_each, stretches
+from eccentric.signals.filters import motion_of, places_of, rows_of_each, stretches
 from eccentric.signals.measured import Channels
 
 if TYPE_CHECKING:
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+LATER = "current_later"
+"""Channel of a table: the current, if it was sampled one standard error later in its row."""
 _OF_EACH = ("t", "run", "block", "train", "score", "weights")
 """Fields of `Rows` with an entry for each row."""
 
@@ -395,96 +397,143 @@ def evidence(rows: Rows, target: Array, one: Array, other: Array) -> float:
     return float(more.sum()) / spread if spread else 0.0
 
 
-# A current behind a voltage that is held.
+# When in its row a current was sampled, by the circuit of a logged voltage.
 #
-# The winding makes u = R i + k_e w.  A voltage that is held from row to row makes a current that jumps with
-# it and falls with the speed in between: i - slope w, with slope = -k_e/R, is what is held.  Samples alone,
-# and a hold of the current, both shift what lies between the jumps by half a row, which the inertia takes up:
-# J +- k_i k_e h/(2 R) for rows of h, with an interval a hundred times narrower.
+# The winding makes u = R i + k_e w at every instant, so that i - slope w, with slope = -k_e/R, is the voltage
+# over R: between the rows it is held or goes on, as the voltage does.  A current that was sampled later than
+# the time of its row is that of the voltage and the speed there.  Taken for a sample at the row's time, it
+# makes the inertia wrong by up to k_i k_e h/(2 R), for rows of h.
+#
+# What tells R from the instant is the part of the current that no acceleration goes with: friction that
+# changes its sign with the speed, and standstill.  A log with little of both has a large standard error.
 
 
 @dataclass(frozen=True)
-class BehindHold:
-    """A drive signal of which x(t) - slope w(t) is held from row to row.
+class SampledCurrent:
+    """A current that was sampled `late_s` after the time of its row, with its standard error [s].
 
     Attributes:
-        by: its channel.
-        slope: -k_e/R, in the unit of the channel per rad/s.
-        late: when in its row a value was sampled: 0 at its time, 1 at that of the next row.
-        levels: the number of the level without a jump of each row (n,).
+        r: R [V/A].
+        slope: -k_e/R [A s/rad].
+        held: whether the voltage is held from row to row; else it is a sample at the time of the row.
+        levels: the number of the level without a jump of the voltage of each row (n,).
+        cut_hz: of the low pass of the angle, infinite where there is none.
     """
 
-    by: str
+    r: float
     slope: float
-    late: float
+    late_s: float
+    error_s: float
+    held: bool
     levels: Integers
+    cut_hz: float
 
     def read(
         self, how: Callable[[Table, Mapping[str, str]], Table], table: Table, kinds: Mapping[str, str]
     ) -> Table:
-        """The table as `at_times` or `refined` reads it, with this signal as it is between the jumps."""
-        x = table.channels[self.by] - self.slope * _speeds(table, self.levels, self.late)
-        held = dataclasses.replace(table, channels={**table.channels, self.by: x})
-        out = how(held, {**kinds, self.by: "held"})
-        x = out.channels[self.by] + self.slope * _speeds(out, stretches(out.channels["time"], out.run))
-        return dataclasses.replace(out, channels={**out.channels, self.by: x})
+        """The table as `at_times` or `refined` reads it, with the current at the times of the rows.
+
+        Its channel `LATER` is the current if it was sampled one standard error later.
+        """
+        kinds = {**kinds, **dict.fromkeys(("current", LATER), "held" if self.held else "sample")}
+        moved = {
+            "current": self._over_r(table, self.late_s),
+            LATER: self._over_r(table, self.late_s + self.error_s),
+        }
+        out = how(dataclasses.replace(table, channels={**table.channels, **moved}), kinds)
+        falls = self.slope * _motion(out, stretches(out.channels["time"], out.run), 0.0, self.cut_hz)[0]
+        own = {name: out.channels[name] + falls for name in moved}
+        return dataclasses.replace(out, channels={**out.channels, **own})
+
+    def _over_r(self, table: Table, late_s: float) -> Array:
+        """The voltage over R (n,): in each row if it is held, else at its time."""
+        x = table.channels["current"] - self.slope * _motion(table, self.levels, late_s, self.cut_hz)[0]
+        return x - late_s * _rate(table, self.held) / self.r
 
 
-def behind_hold(table: Table, by: str) -> BehindHold | None:
-    """How a current behind a held voltage falls with the speed, and when in its row it was sampled.
-
-    None if the circuit does not show it. Without a voltage nothing does: a current that falls with the speed
-    between its jumps may be that of a speed controller, which is held from row to row.
+def sampled_current(
+    table: Table, points: Table, held: bool, slow: float, cut_hz: float, row_s: float
+) -> SampledCurrent | None:
+    """When in its row the current was sampled; None if the circuit does not explain the voltage.
 
     Args:
         table: with the angle unwrapped on the motor side.
-        by: the channel.
+        points: the same, or means of rows that are too short for a speed by the angle.
+        held: whether the voltage is held from row to row.
+        slow: speed [rad/s] below which its sign says nothing.
+        cut_hz: of the low pass of the angle, infinite where there is none.
+        row_s: how long a row of the log lasts [s].
     """
-    x, segment = table.channels[by], stretches(table.channels["time"], table.run)
-    same = np.diff(segment) == 0
-    held = table.channels["voltage"]
-    sizes = np.abs(np.diff(held))
-    jumps = ~same | (sizes > limits.JUMP * np.median(sizes[same]))
-    levels = np.cumsum(np.r_[False, jumps])
-    w = _speeds(table, levels)
-    rows = np.flatnonzero(~jumps[1:-1] & ~jumps[:-2] & ~jumps[2:]) + 1
+    t, u, x = (points.channels[name] for name in ("time", "voltage", "current"))
+    levels, usable = _levels(points, held), points.use & ~points.motor_off
+    rows = np.arange(1, len(t) - 2)
+    rows = rows[(levels[rows - 1] == levels[rows + 2]) & usable[rows]]
     if len(rows) < limits.LEAST_WINDOWS:
         return None
-    faster = w[rows + 1] - w[rows]
-    # u = R i + k_e (w + more dw), dw the change over the row, and w by the last guess of late, which more
-    # makes better. Noise of one row's angle is in w and dw, that of the voltage in u: voltage and current of
-    # the rows beside it, the instruments, have neither.
-    one, late, slope, error = np.ones(len(rows)), 0.5, 0.0, math.inf
-    beside = [signal[rows + k] for signal in (held, x) for k in (-1, 1)]
-    basis = np.linalg.qr(np.column_stack([one, x[rows], *beside]))[0]
+    rate, one = _rate(points, held), np.ones(len(t))
+    turns = _motion(points, levels, 0.0, math.inf)[0]
+    way = np.where(np.abs(turns) > slow, np.sign(turns), 0.0)
+    beside = [u[rows - 1], u[rows + 2], x[rows - 1], x[rows + 1]]
+    # Instruments (Wooldridge, Econometric Analysis, 5): the noise of a row is in none of its neighbours.
+    basis = np.linalg.qr(np.column_stack([one[rows], way[rows], *beside]))[0]
+
+    def solved(late_s: float, k_e: float, unknowns: int) -> tuple[Array, Array, Array]:
+        """R, k_e, an offset, and k_e times what the guess of the instant lacks; residual and weights."""
+        w, a = _motion(points, levels, late_s, math.inf)
+        design = np.column_stack([x, w, one, a - rate / k_e])[rows, :unknowns]
+        target = (u + rate * late_s)[rows]
+        weights = np.asarray(np.linalg.pinv(basis @ (basis.T @ design)), float)
+        return weights @ target, target - design @ (weights @ target), weights
+
+    late_s, (found, left, weights) = 0.0, solved(0.0, math.inf, 4)
     for _ in range(limits.GUESSES):
-        design = np.column_stack([x[rows], _speeds(table, levels, late)[rows], faster, one])
-        projected = basis @ (basis.T @ design)
-        r, k_e, more, _ = c = np.linalg.lstsq(projected, held[rows], rcond=None)[0]
-        left = float(np.var(held[rows] - design @ c))
-        explained = 1.0 - left / max(float(np.var(held[rows])), 1e-300)
-        if r <= 0.0 or k_e <= 0.0 or explained < limits.CIRCUIT_EXPLAINED:
+        explained = np.var(left) <= (1.0 - limits.CIRCUIT_EXPLAINED) * np.var(u[rows])
+        if not (explained and found[0] > 0.0 and found[1] > 0.0):
             return None
-        late, slope = min(max(late + float(more / k_e), 0.0), 1.0), float(-k_e / r)
-        error = math.sqrt(left * float(np.linalg.pinv(projected.T @ projected)[2, 2])) / float(k_e)
-    # At the start, the middle or the end of its row; the middle is that of a hold of the current itself.
-    late = round(2.0 * late) / 2.0
-    unknown = late == 0.5 or error > limits.SAMPLED_WHEN
-    return None if unknown else BehindHold(by, slope, late, levels)
+        late_s += float(found[3] / found[1])
+        found, left, weights = solved(late_s, float(found[1]), 4)
+    block = np.unique(blocks_of(t[rows], stretches(t, points.run)[rows], t), return_inverse=True)[1]
+    error_s = float(np.linalg.norm(np.bincount(block, weights[3] * left)) / found[1])
+    if error_s > limits.ANYWHERE * row_s:
+        # It may be anywhere in the row: R and k_e are those with the middle.
+        late_s, error_s = 0.5 * row_s, limits.ANYWHERE * row_s
+        found, _, _ = solved(late_s, float(found[1]), 3)
+    r, k_e = (float(x) for x in found[:2])
+    return SampledCurrent(r, -k_e / r, late_s, error_s, held, _levels(table, held), cut_hz)
 
 
-def _speeds(table: Table, levels: Integers, late: float = 0.0) -> Array:
-    """Speed of the motor [rad/s] (n,), so many parts of a row after each time.
+def _rate(table: Table, held: bool) -> Array:
+    """The rate of the voltage within each row [V/s] (n,): none if it is held."""
+    t = table.channels["time"]
+    if held:
+        return np.zeros_like(t)
+    u = table.channels["voltage"]
+    same = np.diff(stretches(t, table.run)) == 0
+    return np.append(np.where(same, np.diff(u) / np.diff(t), 0.0), 0.0)
 
-    By splines through the angle of each level (n,) and the row after it: at a jump the acceleration is new.
+
+def _levels(table: Table, held: bool) -> Integers:
+    """The number of the stretch of each row (n,), or of the level of a held voltage without a jump."""
+    segment = stretches(table.channels["time"], table.run)
+    same, sizes = np.diff(segment) == 0, np.abs(np.diff(table.channels["voltage"]))
+    jumps = ~same | (held & (sizes > limits.JUMP * np.median(sizes[same])))
+    return np.cumsum(np.r_[False, jumps])
+
+
+def _motion(table: Table, levels: Integers, late_s: float, cut_hz: float) -> Array:
+    """Speed [rad/s] and acceleration [rad/s^2] of the motor (2, n), so long after each time.
+
+    Without a low pass, by splines through the angle of each level (n,) and the row after it: at a jump the
+    acceleration is new.
     """
     t, theta = table.channels["time"], table.channels["theta_m"]
     segment = stretches(t, table.run)
-    w = np.zeros_like(t)
-    for rows in rows_of_each(levels):
+    _, w, a = np.nan_to_num(motion_of(t, theta, segment, cut_hz)[0])
+    found = np.array([w + late_s * a, a])
+    for rows in rows_of_each(levels) if math.isinf(cut_hz) else ():
         more = rows[-1] + 1
         through = [*rows, more] if more < len(t) and segment[more] == segment[rows[-1]] else rows
         if len(through) > 2:
             spline = make_interp_spline(t[through], theta[through], k=min(5, (len(through) - 1) // 2 * 2 - 1))
-            w[rows] = spline.derivative()(t[rows] + late * np.diff(t[rows], append=t[through[-1]]))
-    return w
+            found[:, rows] = [spline(t[rows] + late_s, nu=order) for order in (1, 2)]
+    return found

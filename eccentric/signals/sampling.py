@@ -376,12 +376,12 @@ def _windows(channels: Channels, steps: float) -> Rows:
     kept &= found.inside(rows.usable | ~rows.moving)
     train, score = (kept & found.inside(part) for part in (~rows.held_out, rows.held_out))
     every = dataclasses.replace(found, train=train, score=score)
-    turns = (
-        found.mean((np.abs(channels.motion.omega_m) > rows.moving_threshold_rad_s).astype(float))
-        >= limits.TURNING_PART
-    )
-    turning = dataclasses.replace(found, train=train & turns, score=score & turns)
-    return turning if _enough(turning) else every
+    turns = found.mean((np.abs(channels.motion.omega_m) > rows.moving_threshold_rad_s).astype(float))
+    for part in limits.TURNING_PARTS:
+        turning = dataclasses.replace(found, train=train & (turns >= part), score=score & (turns >= part))
+        if _enough(turning):
+            return turning
+    return every
 
 
 def _enough(found: Rows) -> bool:
