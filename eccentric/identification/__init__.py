@@ -68,12 +68,11 @@ from eccentric.identification.identify import (
     Undetected,
     detection_power,
     fit,
-    no_friction,
     posed_for_motion,
     with_solution,
 )
 from eccentric.identification.limits import LEAST_GAIN_PERCENT, LEAST_R_SQUARED, MOST_POINTS
-from eccentric.identification.problem import Problem
+from eccentric.identification.problem import Problem, no_friction
 from eccentric.identification.refitting import Refit, refit, residual_samples
 from eccentric.identification.regression import (
     BalanceDesign,

@@ -13,8 +13,7 @@ from eccentric.identification import limits
 from eccentric.identification.columns import following_letters, require_case, with_own
 from eccentric.identification.drive import LOAD, PER_INERTIA, Drive, Machine, evaluated
 from eccentric.identification.expressions import seen_columns
-from eccentric.identification.identify import profiled, warnings_of
-from eccentric.identification.problem import Problem, massless, pose, solved
+from eccentric.identification.problem import Problem, massless, pose, profiled, solved, warnings_of
 from eccentric.identification.regression import Coefficient, Solution
 from eccentric.model import Model, regressor
 from eccentric.model import vocabulary as v

@@ -23,21 +23,19 @@ from eccentric.identification.columns import (
     following_letters,
     identified_letters,
     own_letters,
-    with_own,
 )
 from eccentric.identification.drive import in_drive_unit
-from eccentric.identification.problem import Problem, delay_or_inertia, pose, solved
+from eccentric.identification.problem import Problem, pose, profiled, solved, warnings_of
 from eccentric.identification.regression import (
     Coefficient,
     Design,
     Nonlinear,
     Profile,
     Solution,
-    profile,
     search,
 )
 from eccentric.identification.uncertainty import TWO_SIDED, Estimate, Spread, improvement, r_squared, rms
-from eccentric.model import AxisKind, Load, Model
+from eccentric.model import Load, Model
 from eccentric.rigs import Rig
 from eccentric.signals import (
     LEAST_HELD_OUT,
@@ -46,7 +44,6 @@ from eccentric.signals import (
     band_of,
     require_rows,
     rows_of,
-    rows_of_each,
     white_noise,
 )
 
@@ -173,14 +170,6 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log", *, by_cu
     return _judged(problem, solutions, profiles, error, problem)
 
 
-def profiled(problem: Problem, paper: Solution) -> tuple[Solution, dict[str, Profile]]:
-    """The best solution along the ranges of the rig, and the profile of each by letter."""
-    profiles = {
-        s.name: profile(problem, paper, s) for s in problem.nonlinear if s.name in problem.rig.unknown
-    }
-    return min([paper, *(p.best for p in profiles.values())], key=lambda one: one.cost), profiles
-
-
 def posed_for_motion(found: Fit, model: Model) -> tuple[Problem, Solution]:
     """The problem of a fit as simulated motion shows it, and a solution to start from.
 
@@ -299,32 +288,6 @@ def _beside_waves(problem: Problem, paper: Solution) -> float:
     return r_squared((left - beside @ found)[rows.score], rows.mean(drive.driven_by())[rows.score])
 
 
-def _one_frequency_for_both(problem: Problem) -> bool:
-    """Whether delay and inertia are both open, and the motion has one frequency.
-
-    A voltage that acts later by dt lacks dt du/dt, which at one frequency is in phase with the acceleration.
-    """
-    open_inertia = any(c.role == "inertia" for c in problem.coefficients)
-    if not open_inertia or "input_delay_s" not in {s.name for s in problem.nonlinear}:
-        return False
-    time, speed = problem.drive.channels.time, problem.drive.channels.motion.omega_m
-    stretches = rows_of_each(time.segment)
-    least = 0.5 * max(map(len, stretches))
-    found = [_one_frequency(time.t[rows], speed[rows]) for rows in stretches if len(rows) >= least]
-    return min(found) > 0.0 and max(found) < limits.SAME_FREQUENCY * min(found)
-
-
-def _one_frequency(t: Array, speed: Array) -> float:
-    """The frequency [Hz] that has nearly all power of a speed (n,), 0 without one of several cycles."""
-    power = np.abs(np.fft.rfft((speed - speed.mean()) * np.hanning(len(speed)))) ** 2
-    peak = int(np.argmax(power))
-    # A Hann window spreads a frequency over two steps of the spectrum to either side.
-    about = float(np.sum(power[max(peak - 2, 0) : peak + 3]))
-    if peak < limits.LEAST_CYCLES or about < limits.ONE_FREQUENCY * float(np.sum(power)):
-        return 0.0
-    return peak / float(t[-1] - t[0])
-
-
 def _estimates(
     problem: Problem, paper: Solution, error: Spread
 ) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
@@ -339,59 +302,6 @@ def _estimates(
             found = Estimate(value, s.upper - s.lower, ends, s.unit)
         searched[s.name] = found
     return coefficients, searched
-
-
-def no_friction(channels: Channels, axis: AxisKind) -> list[str]:
-    """The warning of a fit with all friction at 0; nothing where a check of the log has found a reason."""
-    if any(f.doubts_the_rig for f in channels.intake.findings):
-        return []
-    measured = axis.named(channels.motor.measured_by)
-    return [f"the fit leaves no friction: do the signs of {measured} and {axis.term('angle')} agree?"]
-
-
-def warnings_of(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
-    """What is unusual about a solution: no friction, an inertia or range at its end, what a range leaves."""
-    found, axis = [], problem.rig.axis
-    friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
-    if all(a == -1 for a in friction):
-        found += no_friction(problem.drive.channels, axis)
-    for c, active in zip(problem.coefficients, paper.active, strict=True):
-        if c.role != "inertia":
-            continue
-        declared = _declared_alone(problem, paper)
-        at_bound = active == -1 or bool(declared)
-        if at_bound or _one_frequency_for_both(problem):
-            where = "is at its bound" if at_bound else "may be wrong"
-            why = delay_or_inertia(paper.at, axis) or declared
-            found += [f"{axis.named(c.name)} {where}: {why}"] if why else []
-    for s in problem.nonlinear:
-        value = paper.at[s.name]
-        if s.end_at(value):
-            found.append(
-                f"{axis.named(s.name)} ="
-                f" {value:.4g}{'' if s.unit == '1' else f' {axis.unit(s.unit)}'} is at the end of its range"
-                f" {s.lower:g} to {s.upper:g}"
-            )
-    for name, p in profiles.items():
-        change = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
-        found.append(
-            f"{axis.named(name)} is known only as a range; within it, the training error changes"
-            f" by {change:.1f} %"
-        )
-    return found
-
-
-def _declared_alone(problem: Problem, paper: Solution) -> str:
-    """The one inertia that the rig declares, where it is all of that which the log shows, else ""."""
-    of = {c.role: float(x) for c, x in zip(problem.coefficients, paper.values, strict=True)}
-    machine, rig = problem.drive.machine, with_own(problem.rig, problem.model)
-    opened = [name for name in (machine.rotor, machine.link) if name not in rig.known]
-    if not machine.link or len(opened) != 1 or not (problem.scale is None or "scale" in of):
-        return ""
-    (name,) = {machine.rotor, machine.link} - set(opened)
-    least = machine.inertia({**rig.known, opened[0]: 0.0})
-    spent = of["inertia"] / of.get("scale", 1.0) <= least * (1.0 + limits.SAME)
-    return f"[known] {name} = {rig.known[name]:.4g} kg m^2" if spent else ""
 
 
 # The free cubic of a coast-down: c_0 + c_1 |w| + c_2 w^2 + c_3 |w|^3 against the motion, without bounds.

@@ -44,11 +44,20 @@ from eccentric.identification.drive import (
 )
 from eccentric.identification.expressions import alike, seen_columns
 from eccentric.identification.fit_data import Emitted, Residuals
-from eccentric.identification.regression import ColumnRole, Design, Nonlinear, Solution, require_rank, search
+from eccentric.identification.regression import (
+    ColumnRole,
+    Design,
+    Nonlinear,
+    Profile,
+    Solution,
+    profile,
+    require_rank,
+    search,
+)
 from eccentric.model import AxisKind, Column, Load, Model, Role, regressor
 from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS, Rig
-from eccentric.signals import Channels, Rows, fit_rows, rows_of, with_doubts
+from eccentric.signals import Channels, Rows, fit_rows, rows_of, rows_of_each, with_doubts
 
 _UNITS = {known.name: known.unit for known in KNOWNS}
 
@@ -351,3 +360,93 @@ def delay_or_inertia(at: Mapping[str, float], axis: AxisKind) -> str:
         f" and an {inertia} cannot be told apart: declare the {inertia} or the delay, or log several"
         " frequencies"
     )
+
+
+# What is unusual about the solution of a problem.
+
+
+def profiled(problem: Problem, paper: Solution) -> tuple[Solution, dict[str, Profile]]:
+    """The best solution along the ranges of the rig, and the profile of each by letter."""
+    profiles = {
+        s.name: profile(problem, paper, s) for s in problem.nonlinear if s.name in problem.rig.unknown
+    }
+    return min([paper, *(p.best for p in profiles.values())], key=lambda one: one.cost), profiles
+
+
+def no_friction(channels: Channels, axis: AxisKind) -> list[str]:
+    """The warning of a fit with all friction at 0; nothing where a check of the log has found a reason."""
+    if any(f.doubts_the_rig for f in channels.intake.findings):
+        return []
+    measured = axis.named(channels.motor.measured_by)
+    return [f"the fit leaves no friction: do the signs of {measured} and {axis.term('angle')} agree?"]
+
+
+def warnings_of(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
+    """What is unusual about a solution: no friction, an inertia or range at its end, what a range leaves."""
+    found, axis = [], problem.rig.axis
+    friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
+    if all(a == -1 for a in friction):
+        found += no_friction(problem.drive.channels, axis)
+    for c, active in zip(problem.coefficients, paper.active, strict=True):
+        if c.role != "inertia":
+            continue
+        declared = _declared_alone(problem, paper)
+        at_bound = active == -1 or bool(declared)
+        if at_bound or _one_frequency_for_both(problem):
+            where = "is at its bound" if at_bound else "may be wrong"
+            why = delay_or_inertia(paper.at, axis) or declared
+            found += [f"{axis.named(c.name)} {where}: {why}"] if why else []
+    for s in problem.nonlinear:
+        value = paper.at[s.name]
+        if s.end_at(value):
+            found.append(
+                f"{axis.named(s.name)} ="
+                f" {value:.4g}{'' if s.unit == '1' else f' {axis.unit(s.unit)}'} is at the end of its range"
+                f" {s.lower:g} to {s.upper:g}"
+            )
+    for name, p in profiles.items():
+        change = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
+        found.append(
+            f"{axis.named(name)} is known only as a range; within it, the training error changes"
+            f" by {change:.1f} %"
+        )
+    return found
+
+
+def _declared_alone(problem: Problem, paper: Solution) -> str:
+    """The one inertia that the rig declares, where it is all of that which the log shows, else ""."""
+    of = {c.role: float(x) for c, x in zip(problem.coefficients, paper.values, strict=True)}
+    machine, rig = problem.drive.machine, with_own(problem.rig, problem.model)
+    opened = [name for name in (machine.rotor, machine.link) if name not in rig.known]
+    if not machine.link or len(opened) != 1 or not (problem.scale is None or "scale" in of):
+        return ""
+    (name,) = {machine.rotor, machine.link} - set(opened)
+    least = machine.inertia({**rig.known, opened[0]: 0.0})
+    spent = of["inertia"] / of.get("scale", 1.0) <= least * (1.0 + limits.SAME)
+    return f"[known] {name} = {rig.known[name]:.4g} kg m^2" if spent else ""
+
+
+def _one_frequency_for_both(problem: Problem) -> bool:
+    """Whether delay and inertia are both open, and the motion has one frequency.
+
+    A voltage that acts later by dt lacks dt du/dt, which at one frequency is in phase with the acceleration.
+    """
+    open_inertia = any(c.role == "inertia" for c in problem.coefficients)
+    if not open_inertia or "input_delay_s" not in {s.name for s in problem.nonlinear}:
+        return False
+    time, speed = problem.drive.channels.time, problem.drive.channels.motion.omega_m
+    stretches = rows_of_each(time.segment)
+    least = 0.5 * max(map(len, stretches))
+    found = [_one_frequency(time.t[rows], speed[rows]) for rows in stretches if len(rows) >= least]
+    return min(found) > 0.0 and max(found) < limits.SAME_FREQUENCY * min(found)
+
+
+def _one_frequency(t: Array, speed: Array) -> float:
+    """The frequency [Hz] that has nearly all power of a speed (n,), 0 without one of several cycles."""
+    power = np.abs(np.fft.rfft((speed - speed.mean()) * np.hanning(len(speed)))) ** 2
+    peak = int(np.argmax(power))
+    # A Hann window spreads a frequency over two steps of the spectrum to either side.
+    about = float(np.sum(power[max(peak - 2, 0) : peak + 3]))
+    if peak < limits.LEAST_CYCLES or about < limits.ONE_FREQUENCY * float(np.sum(power)):
+        return 0.0
+    return peak / float(t[-1] - t[0])

@@ -151,9 +151,12 @@ def format_of(path: Path) -> Format:
         return TEXT
     if found is None:
         text, *others = (one.suffixes[0] for one in (TEXT, _MAT, _PARQUET))
-        usual = f"a log such as {text}, {' or '.join(others)}"
-        where = "(docs/rig-reference.md lists all formats)"
-        raise InputError(path, usual, f"{path.suffix or 'no suffix'!r}", why=where)
+        raise InputError(
+            path,
+            f"a log such as {text}, {' or '.join(others)}",
+            f"{path.suffix or 'no suffix'!r}",
+            why="(docs/rig-reference.md lists all formats)",
+        )
     return found
 
 
