@@ -130,6 +130,42 @@ def test_in_motion_it_is_the_friction_torque(case: str, effect: Effect) -> None:
     assert np.all(upper >= 0.0)
 
 
+@pytest.mark.parametrize(
+    "effect",
+    [
+        "kinematic_error[motor,n=1]",
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("joint_compliance", "encoder_eccentricity[motor]", "load_dependent[transmitted]")
+        ),
+    ],
+)
+def test_an_acceleration_is_that_of_the_balance(effect: str) -> None:
+    """In motion it takes as much torque as the residual, friction aside, even if the inertia varies.
+
+    With an error e of the gear it is that of the kinetic energy, J_m + (mu + e')^2 J_l, to first order in e.
+    """
+    own = extended.effects("C2")[effect]
+    model = own.extend(load_model("c2_parallel"), {q.name: 1e-4 for q in own.coefficients})
+    emitted = load_module(model)
+    p = emitted.Parameters(J_m=J_M, J_l=J_L)
+    rows = drawn(taken(emitted.mechanical_residual) + taken(emitted.acceleration), 100)
+    rows["omega_m"] = np.abs(rows["omega_m"])
+    faster = [call(emitted, "acceleration", rows | {"torque": np.full(100, x)}, p) for x in (5.0, 6.0)]
+    needed = [
+        call(emitted, "mechanical_residual", rows | {"alpha_m": np.full(100, x)}, p)
+        + call(emitted, "mechanical_friction_torque", rows | {"alpha_m": np.full(100, x)}, p)
+        for x in (0.0, 1.0)
+    ]
+    inertia = 1.0 / (faster[1] - faster[0])
+
+    assert inertia == pytest.approx(needed[0] - needed[1], rel=1e-11)
+    if "kinematic" in effect:
+        slope = 1e-4 * (np.cos(rows["theta_m"]) - np.sin(rows["theta_m"]))
+        assert inertia == pytest.approx(J_M + (extended.MU + slope) ** 2 * J_L, rel=1e-6)
+        assert np.ptp(inertia) > 1e-3 * inertia.mean()
+
+
 @pytest.mark.parametrize("name", MODELS)
 def test_breakaway_is_the_budget_at_rest(name: str) -> None:
     """At rest and without acceleration."""

@@ -409,7 +409,11 @@ def _moved_inertia(model: Model) -> sp.Expr:
     An angle error adds a part that varies with the angle; the total is kept above 1 % of the constant part.
     """
     others = [term for term in model.balance("mechanical").terms if term.kind != "friction"]
-    total = -sp.diff(sp.Add(*(KINDS[t.kind] * t.value for t in others)), v.alpha_m.symbol)
+    summed = sp.Add(*(KINDS[t.kind] * t.value for t in others))
+    for d in reversed(model.definitions):  # such as the transmitted torque
+        if v.alpha_m.symbol in model.expand(d.symbol).free_symbols:
+            summed = summed.xreplace({d.symbol: d.value})
+    total = -sp.diff(summed, v.alpha_m.symbol)
     parts = sp.Add.make_args(sp.expand_mul(total))
     constant = sp.Add(*(part for part in parts if part.free_symbols <= model.parameter_symbols))
     if constant in (0, total):
