@@ -154,11 +154,6 @@ class Bodies:
             self, gravity=factor * self.gravity, moving=factor * self.moving, rotor=factor * self.rotor
         )
 
-    @property
-    def transmitted(self) -> Array:
-        """Torque transmitted by the gear, signed."""
-        return self.gravity + self.moving
-
 
 class BodyModule:
     """The emitted NumPy module of a chain with symbolic bodies, called with the current values."""
