@@ -99,7 +99,7 @@ def _kinds(
 def _held(name: str, step: float, more: float) -> str:
     return (
         f"the {name} is held from row to row, {step:.3g} s each: that explains the motion better than samples"
-        f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" in the rig file overrides this)'
+        f' do, by {more:.2g} standard errors ([kinds] {name} = "sample" overrides this)'
     )
 
 
