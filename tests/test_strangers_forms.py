@@ -127,6 +127,28 @@ TABLES = {
         + lines("\t%.4f", V),
         {"X_Value": "s", "x": "rad"},
     ),
+    "a time of LabVIEW with its start and step": (
+        "LabVIEW Measurement\t\n***End_of_Header***\t\nX0\t0.0\t\nDelta_X\t0.005\t\n***End_of_Header***\t\t\n"
+        "X_Value\tx\tComment\n" + lines("%.3f\t%.4f", X, V),
+        {"X_Value": "", "x": ""},
+    ),
+    "start and step of LabVIEW with decimal commas": (
+        "LabVIEW Measurement\t\n***End_of_Header***\t\nX0\t0,0\t\nDelta_X\t0,005\t\n***End_of_Header***\t\t\n"
+        "X_Value\tx\tComment\n" + lines("\t%.4f", V),
+        {"X_Value": "s", "x": ""},
+    ),
+    "start and increment without a count": (
+        "CH1,Start,Increment\nVolt,0.0,5e-3\n" + lines("%.4f", V),
+        {"time": "s", "CH1": "V"},
+    ),
+    "Start and Increment as columns": (
+        "Start,Increment,t,x\n" + lines("%d,%d,%.3f,%.4f", range(40), range(40), X, V),
+        {"Start": "", "Increment": "", "t": "", "x": ""},
+    ),
+    "rows of a scope of which one of two is left out": (
+        "X,CH1,Start,Increment,\nSequence,Volt,0.0,2.5e-3\n" + lines("%d,%.4f,", range(0, 80, 2), V),
+        {"X": "s", "CH1": "V"},
+    ),
     "start and increment of a scope": (
         "X,CH1,Start,Increment,\nSequence,Volt,0.0,5e-3\n" + lines("%d,%.4f,", range(40), V),
         {"X": "s", "CH1": "V"},
@@ -241,7 +263,7 @@ def test_numbers_in_hexadecimal(read: Callable[..., Log]) -> None:
     """Registers as a controller prints them, with a note."""
     log = read("t,x\n" + lines("%.3f,0x%04X", X, range(40)))
 
-    assert (("x: hexadecimal",), [*range(40)]) == (log.notes, log.numbers("x").tolist())
+    assert (("x: hexadecimal, unsigned",), [*range(40)]) == (log.notes, log.numbers("x").tolist())
 
 
 def test_dictionaries_of_python_in_a_text_file(read: Callable[..., Log]) -> None:
@@ -471,6 +493,19 @@ def test_seconds_and_their_parts_without_names(parts: int, tmp_path: Path) -> No
         "column_5",
         "column_6",
     )
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [("block", "counter"), ("run", "t_ms"), ("turns", "counts")],
+)
+def test_named_columns_are_no_seconds_with_their_parts(first: str, second: str) -> None:
+    """A counter that starts again, the time within a run, and counts within a turn fill theirs as well."""
+    rows = np.arange(3000)
+    log = {"time_s": T, first: rows // 1000, second: rows % 1000, "q_rad": Q, "i_A": CURRENT}
+    drafted = draft_rig({name: np.asarray(column, float) for name, column in log.items()})
+
+    assert not any("/" in p.source for p in drafted.proposals)
 
 
 def test_a_counter_that_overflows_may_be_no_turn(draft: Callable[..., RigDraft]) -> None:

@@ -137,13 +137,13 @@ def opened(log: Log, rows: int) -> Opened:
 def _with_nanoseconds(columns: Mapping[str, LoggedColumn]) -> dict[str, LoggedColumn]:
     """The columns, with a time in place of one in whole seconds and one in the nanoseconds beyond them.
 
-    Names show such a pair, or the values of two columns side by side, as ROS 2 prints them without names.
+    Names show such a pair, or the values of two columns side by side without names, as ROS 2 prints them.
     """
-    found = dict(columns)
+    found, timed = dict(columns), any(column.name.quantity == "time" for column in columns.values())
     for before, (name, beyond) in zip((None, *columns.values()), columns.items(), strict=False):
         whole = _NANO.sub(lambda one: one[1] + "sec" + one[3], name)
         named = next((found[n] for n in (whole, f"{whole}s") if n in found and whole != name), None)
-        seconds, parts = (named, 1e9) if named else (before, _parts_of(before, beyond))
+        seconds, parts = (named, 1e9) if named else (before, 0.0 if timed else _parts_of(before, beyond))
         if seconds is None or not parts or not (seconds.is_whole and np.all(np.abs(beyond.values) < parts)):
             continue
         text = f"{quoted(seconds.text)} + {quoted(name)} / {parts:.0f}"
@@ -154,12 +154,17 @@ def _with_nanoseconds(columns: Mapping[str, LoggedColumn]) -> dict[str, LoggedCo
     return found
 
 
+_UNNAMED = re.compile(r"column_\d+")
+
+
 def _parts_of(seconds: LoggedColumn | None, beyond: LoggedColumn) -> float:
     """Into how many parts a column divides the whole seconds of the one before it; 0 where it does not.
 
     It fills each second, starts again with the next, and together they rise as evenly there as anywhere.
     """
     if seconds is None or not (seconds.is_whole and beyond.is_whole) or len(seconds.values) < 3:
+        return 0.0
+    if not (_UNNAMED.fullmatch(seconds.text) and _UNNAMED.fullmatch(beyond.text)):
         return 0.0
     steps, highest = np.diff(seconds.values), float(np.max(beyond.values))
     parts = next((parts for parts in (1e3, 1e6, 1e9) if highest < parts), 0.0)

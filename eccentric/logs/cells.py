@@ -154,7 +154,7 @@ def cells_to_column(name: str, cells: Sequence[str], sign: Sign) -> tuple[Column
         return (
             column_of([int(cell, 16) if _HEX.fullmatch(cell) else cell for cell in cells]),
             "",
-            f"{name}: hexadecimal",
+            f"{name}: hexadecimal, unsigned",
         )
     if given and all(map(_DATE.match, given)):
         return _dates(name, cells, column)

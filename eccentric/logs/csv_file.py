@@ -51,7 +51,7 @@ _NO_TABLES = {
     "version https://git-lfs": "a pointer of Git LFS: fetch the file itself, as with git lfs pull",
     "<": "a web page or XML: download the raw file, or export a CSV file",
     **dict.fromkeys(
-        ("FMT,", "H Product:"),
+        ("FMT, 128", "H Product:"),
         "a flight log of ArduPilot or Betaflight: decode it with mavlogdump.py or blackbox_decode",
     ),
 }
@@ -340,8 +340,13 @@ def _timed(read: Read, layout: Layout) -> Read:
     if layout.every is None or read.lines is None:
         return read
     name, start, step = layout.every
-    time = {name: start + step * np.arange(len(read.lines))}
-    return dataclasses.replace(read, columns={**read.columns, **time}, units={**read.units, name: "s"})
+    count = read.columns.get(name, np.full(len(read.lines), np.nan))
+    if not np.any(np.isfinite(count)):
+        count = np.arange(len(read.lines), dtype=float)
+    elif np.any(count[np.isfinite(count)] % 1.0):
+        return read  # of a scope that wrote the times themselves
+    columns = {name: start + step * count, **{n: c for n, c in read.columns.items() if n != name}}
+    return dataclasses.replace(read, columns=columns, units={**read.units, name: "s"})
 
 
 def _signs(layout: Layout, decimals: Collection[str]) -> tuple[str]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import csv
 import itertools
+import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -31,7 +32,7 @@ _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]")
 _CLOCK = re.compile(r".*\d:\d\d(:\d\d)?([.,]\d+)?\s*([AaPp][Mm])?\s*Z?|\s*\d{4}-\d\d-\d\d.*")
 _SETTING = re.compile(r"\s*[^\d\s,;=:][^,;=:]*[:=]\s*\S")
 """A line of settings, such as "Device: X"."""
-_COMMENT = re.compile(r"#+|%+(?=\s)|//")
+_COMMENT = re.compile(r"#+|%+(?=\s(?!of\b|;))|//")
 """How a comment begins; "%time" is a name."""
 _RULE = re.compile(r"[\s|+]*[-=_][-=_\s|+]*")
 """A line that is drawn below a header."""
@@ -275,23 +276,29 @@ def _stated_time(
 ) -> tuple[_Above, tuple[str, float, float] | None]:
     """The lines above, and the time that they state in place of a column: its name, start and step.
 
-    LabVIEW has lines for both, and an empty column; Rigol two cells more in the header and below it.
+    LabVIEW has lines for both, and an empty column; Rigol two cells more in the header and below it, and
+    counts the rows in its first column, if that is called X.
     """
-    told = {cells[0]: cells[1] for _, cells in above if len(cells) > 1}
-    name, start, step = "X_Value", told.get("X0", ""), told.get("Delta_X", "")
-    if any(row[0].strip() for row in rows):
-        step = ""
+    told = {cells[0]: cells[1:] for _, cells in above}
+    steps = {cell for cell in told.get("Delta_X", []) if cell}
+    if len(steps) == 1 and not any(row[0].strip() for row in rows):
+        start = next((cell for cell in told.get("X0", []) if cell), "0")
+        return above, _every("X_Value", start, steps.pop())
     for (line, names), (below, cells) in itertools.pairwise(above):
-        k = names.index("Increment") if "Increment" in names else 0
-        if k > 1 and names[k - 1] == "Start" and len(cells) > k:
-            name, start, step = names[0], cells[k - 1], cells[k]
-            cut = {line: names[: k - 1], below: cells[: k - 1]}
-            above = [(line, cut.get(line, cells)) for line, cells in above]
-            break
-    first, every = number_of(start), number_of(step)
-    if not every or first is None or first != first:  # noqa: PLR0124 - NaN
-        return above, None
-    return above, (name, first, every)
+        at = len(names) - 1 - (not names[-1])
+        if names[at - 1 : at + 1] != ["Start", "Increment"] or len(cells) <= at:
+            continue
+        stated = _every("X" if names[0] == "X" else "time", cells[at - 1], cells[at])
+        if stated and not any("".join(row[at - 1 :]).strip() for row in rows):
+            cut = {line: names[: at - 1], below: cells[: at - 1]}
+            return [(k, cut.get(k, row)) for k, row in above], stated
+    return above, None
+
+
+def _every(name: str, start: str, step: str) -> tuple[str, float, float] | None:
+    """A time by its start and step; None where these are no numbers, or the step is none."""
+    first, every = (number_of(cell.replace(",", ".")) for cell in (start, step))
+    return (name, first, every) if first is not None and every and math.isfinite(first + every) else None
 
 
 _Found = tuple[int, list[str], dict[str, str], tuple[int, ...]]
@@ -348,7 +355,7 @@ def _header(above: Sequence[tuple[int, list[str]]], rows: Sequence[Sequence[str]
     block: list[tuple[int, list[str]]] = []
     for k, cells in reversed(above[-limits.PREAMBLE_LINES :]):
         full = _full(cells, width, empty)
-        if full is not None and full[1:] == [str(n) for n in range(1, width)] and not is_number(full[0]):
+        if k == above[0][0] and full is not None and full[1:] == [str(n) for n in range(1, width)]:
             full = [full[0], *(f"channel {n}" for n in full[1:])]
         if full is None or any(map(is_number, full)) or not any(full):
             break

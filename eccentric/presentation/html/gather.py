@@ -403,7 +403,9 @@ def _follows(effect: Effect, found: Diagnosis, channels: Sequence[Channel]) -> t
         return (channel,)
     times = TURN / period
     whole = abs(times - round(times)) < 1e-6 * times
-    part = f"2π/{times:.0f}".replace("2π/2", "π") if whole else f"{period:.3g} {channel.unit}"
+    part = f"{period:.3g} {channel.unit}"
+    if whole and channel.unit == "rad":
+        part = "π" if round(times) == 2 else f"2π/{times:.0f}"
     return channel, replace(channel, label=f"{channel.label} modulo {part}", period=period)
 
 
