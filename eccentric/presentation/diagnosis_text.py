@@ -286,8 +286,9 @@ def _values(found: Diagnosis, effect: Effect) -> tuple[float, float] | None:
 
 
 def _tied(found: Diagnosis, last: str) -> str:
-    """The families that explain the log equally well, each by its best member."""
-    best = {c.family: c for c in reversed(found.attribution.candidates)}
+    """The families that explain the log equally well, each by its best member that is not clear itself."""
+    clear, listed = {effect.id for effect, _ in found.clear}, found.attribution.candidates[::-1]
+    best = {c.family: c for c in listed} | {c.family: c for c in listed if c.id not in clear}
     names = [effect_name(best[family].words.headline, best[family].id) for family in tied_families(found)]
     return _listed(names, last)
 

@@ -404,13 +404,14 @@ class Search:
                 better = family not in rivals or fitted.score < rivals[family][1].score
                 if better and (fitted.score > self.best.score or self.confirmed(fitted)):
                     rivals[family] = (fitted.variants[-1], fitted)
-            rivals = self._of_one_cause(place, rivals)
             log = {
                 family: _log_evidence(own, fitted, effective)
                 + limits.SPECIAL * any(general in rivals for general in own.candidate.evidence.special_of)
                 for family, (own, fitted) in rivals.items()
             }
             first = max(log, key=lambda family: log[family])
+            if (again := self._of_one_cause(place, rivals)) is not None:
+                log[again], first = log[first], again
             if rivals[first][1] is not self.best and changes:
                 self.best = self.screen.refine(rivals[first][1])
                 self._compare(changes - 1)
@@ -419,27 +420,27 @@ class Search:
             total = sum(weight.values())
             self.alternatives.append({f: (weight[f] / total, fitted) for f, (_, fitted) in rivals.items()})
 
-    def _of_one_cause(
-        self, place: int, rivals: dict[str, tuple[Variant, Fitted]]
-    ) -> dict[str, tuple[Variant, Fitted]]:
-        """The rivals for a place, without another cause where one that is there explains it by another order.
+    def _of_one_cause(self, place: int, rivals: dict[str, tuple[Variant, Fitted]]) -> str | None:
+        """The family beside an adopted effect of which another order does nearly what that effect does.
 
-        A motor that hardly turns back shows its cogging at several orders, and friction that varies with the
-        angle would be a second cause for one of them. One that does exactly what it does remains open.
+        A motor that hardly turns back shows its cogging at several orders. Friction that varies with the
+        angle may fit one of them a little better, by the few rows near standstill that no model describes:
+        two causes are not likelier for that than one, and both remain open.
         """
         others, own = self.screen.fit(_without(self.best, place)), self.best.variants[place]
         gain = {family: others.score - fitted.score for family, (_, fitted) in rivals.items()}
         most, period = limits.ONE_CAUSE * max(gain.values()), own.candidate.periods
-        again = {
-            family
-            for family, (rival, _) in rivals.items()
-            if family in others.families
-            and gain[family] > most
-            and rival.candidate.periods == period < math.inf
-        }
-        if own.candidate.family in again:
-            again |= {family for family, (_, fitted) in rivals.items() if self._alike(fitted, own)}
-        return {family: rival for family, rival in rivals.items() if family in again} or rivals
+        return next(
+            (
+                family
+                for family, (rival, fitted) in rivals.items()
+                if family in others.families
+                and gain[family] > most
+                and rival.candidate.periods == period < math.inf
+                and (fitted is self.best or self.confirmed(fitted))
+            ),
+            None,
+        )
 
 
 def aliased(one: Candidate, other: Candidate) -> bool:

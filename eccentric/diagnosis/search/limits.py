@@ -68,7 +68,7 @@ a third family tied with both reduces it to less."""
 SPECIAL = 2.0
 """Log-odds of a special case over the family that contains it: it explains as much with fewer parameters."""
 ONE_CAUSE = 0.95
-"""Part of the gain of a further effect that another order of an adopted one must have to take its place."""
+"""Part of the gain of a further effect that another order of an adopted one must have to be as likely."""
 POSSIBLE = 0.05
 """Least probability of a family that counts as explaining the log equally well."""
 DIVERGED = 10.0
