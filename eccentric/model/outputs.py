@@ -244,8 +244,6 @@ def drive_interface(model: Model) -> Interface:
     def one(value: sp.Expr) -> tuple[tuple[str, sp.Expr]]:
         return (("", value),)
 
-    follows = v.alpha_m.symbol in model.expand(friction).free_symbols
-    of_before = "; alpha_m is that of the step before, 0 at rest" if follows else ""
     with_inertia = {"taken": frozenset({v.alpha_m.name}) if inertia else frozenset(), "requires": inertia}
     listed = [
         output("normal_force", "N", "normal force F_N on the axis of rotation", one(force or sp.S.Zero)),
@@ -337,7 +335,7 @@ def drive_interface(model: Model) -> Interface:
             output(
                 "friction_step",
                 "rad/s, N m",
-                "velocity after a time step and the friction torque in it" + of_before,
+                "velocity after a time step and the friction torque in it",
                 stepped,
                 before=(*dry.definitions, *on_the_way),
                 requires=inertia,
