@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.2.0b1, program 8268ad06).
+ * (eccentric 0.2.0b1, program 09c928c4).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x8268ad06UL
+#if ROTATING_LINK_PROGRAM != 0x09c928c4UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 

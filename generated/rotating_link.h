@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.2.0b1, program 8268ad06).
+ * (eccentric 0.2.0b1, program 09c928c4).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Start with rotating_link_mechanical_friction_torque, the friction to compensate, at the reference velocity, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x8268ad06UL
+#define ROTATING_LINK_PROGRAM 0x09c928c4UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. It is part of all names, as in
  * rotating_link_mechanical_friction_torque_double: code compiled for one cannot use a model compiled only for the other. */
@@ -505,11 +505,11 @@ void rotating_link_electrical_residual_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Velocity after a step begun at alpha_m and friction torque in it, unchanged if dt is less than 1e-9 s.
+/** Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
  *  NaN unless dt is 0 or the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2], of the step before, 0 at rest
  *  @param[in]  torque  torque on the motor side of everything but friction [N m]
  *  @param[in]  dt  time step, positive [s]
  *  @param[out] out  2 values: omega_m, friction [rad/s, N m]
@@ -539,7 +539,7 @@ void rotating_link_friction_step_n(
  *  NaN unless torque is 0 or the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2], of the step before, 0 at rest
  *  @param[in]  torque  torque on the motor side of everything but friction [N m]
  *  @param[in]  c  coefficients
  *  @return acceleration [rad/s^2]

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.2.0b1, program 8268ad06).
+# (eccentric 0.2.0b1, program 09c928c4).
 # Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 """Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
@@ -411,7 +411,7 @@ def electrical_residual(c, omega_m, i, u):
 
 @_model.function(needs=("J_m", "J_l"))
 def friction_step(c, theta_m, omega_m, alpha_m, torque, dt):
-    """Velocity after a step begun at alpha_m and friction torque in it, unchanged if dt is less than 1e-9 s.
+    """Velocity after a time step and the friction torque in it, unchanged if dt is less than 1e-9 s.
 
     In rad/s, N m; last axis (omega_m, friction).
     """

@@ -70,6 +70,9 @@ def structure_of(model: Model) -> tuple[tuple[object, ...], ...]:
     return (*parts, model.axis), known, tuple(parameters)
 
 
+# Friction in one direction: its limit at standstill, and its polynomial in the velocity.
+
+
 _DIRECTED = Sgn | Forward | Backward | Gated
 
 
@@ -241,8 +244,6 @@ def drive_interface(model: Model) -> Interface:
     def one(value: sp.Expr) -> tuple[tuple[str, sp.Expr]]:
         return (("", value),)
 
-    follows = v.alpha_m.symbol in model.expand(friction).free_symbols
-    begun = "step begun at alpha_m and" if follows else "time step and the"
     with_inertia = {"taken": frozenset({v.alpha_m.name}) if inertia else frozenset(), "requires": inertia}
     listed = [
         output("normal_force", "N", "normal force F_N on the axis of rotation", one(force or sp.S.Zero)),
@@ -334,7 +335,7 @@ def drive_interface(model: Model) -> Interface:
             output(
                 "friction_step",
                 "rad/s, N m",
-                f"velocity after a {begun} friction torque in it",
+                "velocity after a time step and the friction torque in it",
                 stepped,
                 before=(*dry.definitions, *on_the_way),
                 requires=inertia,

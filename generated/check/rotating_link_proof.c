@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to rotating_link.c (program 8268ad06).
+ * Generated: do not edit. Belongs to rotating_link.c (program 09c928c4).
  * Proof driver: for all inputs in the ranges below and the parameters set in main, no function of rotating_link.c
  * has undefined behaviour, overflows, or returns NaN or infinity. Set your parameters in main.
  * Run Frama-C's Eva: the proof is complete with 0 alarms and 100 % of the logical properties proven. The printed

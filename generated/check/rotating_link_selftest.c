@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to rotating_link.c (program 8268ad06).
+ * Generated: do not edit. Belongs to rotating_link.c (program 09c928c4).
  * Self-test: rotating_link.c gives the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. rotating_link_selftest.c ../rotating_link.c -lm     single precision: -DECCENTRIC_REAL=float

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Belongs to rotating_link.c (program 8268ad06).
+ * Generated: do not edit. Belongs to rotating_link.c (program 09c928c4).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 7u

@@ -116,6 +116,11 @@ def _prepared(program: Program) -> str:
 def _documentation(program: Program, r: Routine, parts: Staged) -> dict[str, Any]:
     states = [q for q, _ in program.states]
     width, reduced = len(r.labels), f", reduced exactly up to {_EXACT}" if parts.angles else ""
+    alpha, torque = map(program.axis.named, ("alpha_m", "torque"))
+    # What solves for a motion is given the acceleration that it had.
+    before = (
+        {alpha: ", of the step before, 0 at rest"} if torque in {x.quantity.name for x in r.inputs} else {}
+    )
     out = f"@param[out] out  {width} value{'s' * (width > 1)}: {', '.join(r.labels)} [{r.unit}]"
     return {
         "doc": f"{r.meaning[0].upper()}{r.meaning[1:]}.",
@@ -124,6 +129,7 @@ def _documentation(program: Program, r: Routine, parts: Staged) -> dict[str, Any
                 "name": x.quantity.name,
                 "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"
                 + (reduced if x.quantity.name == "theta_m" else "")
+                + before.get(x.quantity.name, "")
                 + (f", a hidden state, which {program.name}_step advances" if x.quantity in states else ""),
             }
             for x in r.inputs
