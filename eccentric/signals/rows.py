@@ -485,7 +485,11 @@ def sampled_current(
         weights = np.asarray(np.linalg.pinv(basis @ (basis.T @ design)), float)
         return weights @ target, target - design @ (weights @ target), weights
 
-    late_s, (found, left, weights) = 0.0, solved(0.0, math.inf, 4)
+    late_s = 0.5 * row_s
+    k_e = float(solved(late_s, math.inf, 3)[0][1])  # of the middle of the row
+    if k_e <= 0.0:
+        return None
+    found, left, weights = solved(late_s, k_e, 4)
     for _ in range(limits.GUESSES):
         explained = np.var(left) <= (1.0 - limits.CIRCUIT_EXPLAINED) * np.var(u[rows])
         if not (explained and found[0] > 0.0 and found[1] > 0.0):
