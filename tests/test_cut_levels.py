@@ -48,21 +48,22 @@ def test_it_is_cut_where_the_harmonic_exceeds_the_rest(c1: float) -> None:
     assert np.abs(levels[1]).min() > 0.0
 
 
-def test_the_speed_is_that_of_the_lowest_level() -> None:
+@pytest.mark.parametrize("fastest", [2.0, 2.1, 3.3])
+def test_the_speed_is_that_of_the_lowest_level(fastest: float) -> None:
     """At the critical velocity, where the load vanishes at the top."""
     p = paper.table_1(float, C_m=0.03)
     critical = paper.critical_velocity(p, math) / MU
     model = rippled("c2_parallel", 0.05, C_m=p.C_m, C_lN=p.C_lN)
-    (cut,) = cut_levels(model, (0.0, 2.0 * critical), NONE)
+    (cut,) = cut_levels(model, (0.0, fastest * critical), NONE)
 
     def level(angle: float) -> float:
         F_N = paper.normal_force_c2(angle / MU, critical, p, math)
         return MU * p.C_lN * F_N + p.C_m + 0.05 * math.cos(angle)
 
-    assert cut.speed == pytest.approx(critical)
+    assert cut.speed == pytest.approx(critical, rel=1e-7)
     assert cut.lowest == pytest.approx(-0.02, abs=1e-7)
     end = brentq(level, 2.0, 3.1)
-    assert cut.intervals == (pytest.approx((end, 2.0 * math.pi - end), abs=1e-9),)
+    assert cut.intervals == (pytest.approx((end, 2.0 * math.pi - end), abs=1e-7),)
 
 
 def test_each_direction_has_its_own() -> None:

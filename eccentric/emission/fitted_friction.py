@@ -168,7 +168,19 @@ def _values(model: Model, temperature: float | None) -> Mapping[sp.Symbol, sp.Ex
 
 def _cut(at: Level, direction: int, speeds: list[float], theta_m: Array, model: Model) -> LevelCut | None:
     """Where a level is cut at the speed at which it is lowest; None if it is negative at none."""
-    lowest, speed = min((float(at(theta_m, direction * x).min()), x) for x in speeds)
+    from scipy.optimize import (
+        minimize_scalar,
+    )  # a command that emits without fitted values needs none of SciPy
+
+    def least(x: float) -> float:
+        return float(at(theta_m, direction * x).min())
+
+    tried = sorted(set(speeds))
+    k = min(range(len(tried)), key=lambda k: least(tried[k]))
+    # A load that vanishes at one speed and angle leaves a dip between two of these.
+    low, high = tried[max(k - 1, 0)], tried[min(k + 1, len(tried) - 1)]
+    between = minimize_scalar(least, bounds=(low, high), method="bounded", options={"xatol": 1e-9 * high})
+    lowest, speed = min((least(tried[k]), tried[k]), (float(between.fun), float(between.x)))
     omega_m = direction * speed
     below = at(theta_m, omega_m) < 0.0
     if lowest >= -_ROUNDING * float(np.abs(at(theta_m, omega_m)).max()):

@@ -137,12 +137,14 @@ def _unsigned(m: Means, drive: str, rig: Rig, alike: float) -> Finding | None:
         return None
     sizes = [abs(float(np.mean(way))) for way in ways]
     sign = np.sign(float(np.mean(x)))
+    if np.mean(m.alpha * sign > 0.0) >= limits.ONE_SIGN:
+        return None  # inertia turns it over
     if np.mean(x * sign > 0.0) < limits.ONE_SIGN or min(sizes) < alike * max(sizes):
         return None
     name, side = rig.axis.named(drive), "positive" if sign > 0.0 else "negative"
     text = (
         f"the {name} is {side} in both directions: its sign is missing, as in"
-        " a supply current or a duty cycle, or a constant load is missing from the rig file"
+        " a supply current or a duty cycle, or the rig file lacks a load: gravity, or a constant one"
         f" ({rig.axis.named('T_load')}, with a range in [unknown])"
     )
     return Finding("wrong_sign", drive, text, m.rows, "warning")
