@@ -171,7 +171,8 @@ def test_intervals_cover_the_inertia(rate_hz: float) -> None:
             fits = [eccentric.fit(one, rig | kinds).estimates[name] for one in logs]
             off = np.array([one.value for one in fits]) - A
             low, high = np.array([one.interval for one in fits]).T
-            covered += list((low <= A) & (high >= A))
+            covered += (own := list((low <= A) & (high >= A)))
+            assert rate_hz < 25.0 or sum(own) >= 14, (held, late, own)  # of 20: less is 3 in 10,000 of 95 %
             limit = 0.1 * np.mean(high - low) + 2.0 * np.std(off) / np.sqrt(len(off))
             assert abs(off.mean()) < (6e-3 * A if rate_hz < 25.0 else limit), (held, late, off.mean())
     assert rate_hz < 25.0 or np.mean(covered) > 0.88
