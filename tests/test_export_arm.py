@@ -154,6 +154,23 @@ def test_links_swing_down_to_where_they_should(links: Links) -> None:
     assert end == pytest.approx(theta_m * MU, abs=1e-3)
 
 
+def test_two_states_of_one_model_do_not_disturb_each_other(links: Links) -> None:
+    """Each with its own budget, stepped in turn, moves as it does alone, bit for bit."""
+    _, module, xml = links
+    starts = (0.9, 0.7), (-0.4, 1.2)
+    alone = [swung(module, xml, start, 0.2)[2].qpos.tolist() for start in starts]
+    engine = mujoco.MjModel.from_xml_string(xml)
+    both = [(mujoco.MjData(engine), module.Budget(engine)) for _ in starts]
+    for (data, _), start in zip(both, starts, strict=True):
+        data.qpos[:] = start
+    while both[0][0].time < 0.2:
+        for data, friction in both:
+            friction.write(engine, data)
+            mujoco.mj_step(engine, data)
+
+    assert alone == [data.qpos.tolist() for data, _ in both]
+
+
 def test_the_loads_are_those_of_the_state_before_the_step(links: Links) -> None:
     """In a swing the levels are those of this state solved once more, with them: the rest is a fifth of 1 %.
 
