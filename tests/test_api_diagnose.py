@@ -296,7 +296,8 @@ def test_it_is_drawn_over_what_it_depends_on(result: DiagnosisResult) -> None:
     names = [line.get_label() for line in left.lines]
 
     assert ["paper's model", "extended model", "fitted effect"] == names
-    assert ("link angle [rad]", "motor velocity [rad/s]") == (left.get_xlabel(), right.get_xlabel())
+    labels = left.get_xlabel(), right.get_xlabel()
+    assert ("link angle modulo π [rad]", "motor velocity [rad/s]") == labels
     before, after = (np.asarray(line.get_ydata()) for line in left.lines[:2])
     assert np.nanstd(after) < 0.1 * np.nanstd(before)
     plt.close("all")

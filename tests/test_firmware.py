@@ -50,9 +50,9 @@ def test_readme_shows_what_it_prints(ran: subprocess.CompletedProcess[str]) -> N
     assert f"```\n{ran.stdout}{ran.stderr}```" in readme
 
 
-FIT, MY_ARM = "../../build/my_fit/fit.json", "../../build/my_arm"
-EMIT = f"eccentric emit c2_parallel --parameters {FIT} --compensation --out {MY_ARM}"
-RUN = "make run GENERATED=../../build/my_arm"
+FIT, MY_LOOP = "../../build/my_fit/fit.json", "../../build/my_loop"
+EMIT = f"eccentric emit c2_parallel --parameters {FIT} --compensation --out {MY_LOOP}"
+RUN = "make run GENERATED=../../build/my_loop"
 RENAME = "sed -i 's/c2_parallel/my_arm/g' Makefile *.c *.h"
 # An arm twice as heavy on a stronger drive, with other friction: nothing of it is the paper's.
 ARM = {

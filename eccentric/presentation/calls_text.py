@@ -39,6 +39,7 @@ def calls(found: Diagnosis) -> list[str]:
         f" {'the rest' if in_torque else 'it'} is in {call(function)}"
         for effect, function, in_torque in other_functions(model)
     ]
+    elsewhere += _zero(found, [torque, *elsewhere])
     if not found.models.fits_the_rig:
         return []
     if not states:
@@ -55,6 +56,16 @@ def calls(found: Diagnosis) -> list[str]:
         *elsewhere,
         f"  {call('step', ['&state', *stepped])}",
     ]
+
+
+def _zero(found: Diagnosis, called: Sequence[str]) -> list[str]:
+    """From where the angle of a call counts, unless the logged one counts from there."""
+    of_link = found.channels.alignment.theta_zero_rad
+    if not of_link or not any("theta_m" in line for line in called):
+        return []
+    zero = of_link / found.setting.mu
+    shift = f"{'-' if zero > 0.0 else '+'} {abs(zero):.6g} rad"
+    return [f"  theta_m is 0 where the mass hangs lowest: the logged motor angle {shift}"]
 
 
 def _undecided(found: Diagnosis) -> str:
