@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ import pytest
 import eccentric
 from eccentric.emission import load_module
 from eccentric.model import load_model
-from eccentric.presentation.calls_text import other_functions, share_words
+from eccentric.presentation.calls_text import other_functions, share_words, zero_line
 from tests.extended import BASE, J_L, J_M, effects
 
 BENCH = Path(__file__).parents[1] / "examples" / "bench"
@@ -73,3 +74,17 @@ def test_a_share_says_what_it_is_a_share_of(effect_id: str, whole: str) -> None:
     fitted = SimpleNamespace(model=effect.extend(load_model("c2_parallel")), shares={effect_id: 0.123})
 
     assert share_words(fitted, effect) == f"12.3 % of the {whole}"  # pyright: ignore[reportArgumentType]
+
+
+@pytest.mark.parametrize(("zero", "shift"), [(0.2, "- 1 rad"), (-0.1, "+ 0.5 rad"), (0.0, None)])
+def test_the_call_says_from_where_its_angle_counts(zero: float, shift: str | None) -> None:
+    """In radians of the motor, five of which are one of the link."""
+    alignment = SimpleNamespace(theta_zero_rad=zero)
+    found: Any = SimpleNamespace(
+        channels=SimpleNamespace(alignment=alignment), setting=SimpleNamespace(mu=0.2)
+    )
+
+    assert [shift] * (shift is not None) == [
+        line[-len(shift or "") :] for line in zero_line(found, ["f(theta_m)"])
+    ]
+    assert zero_line(found, ["f(omega_m)"]) == []

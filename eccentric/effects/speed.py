@@ -118,7 +118,7 @@ def sublinear_viscous(setting: Setting) -> Iterator[Effect]:
             "Viscous friction of a lubricant that thins with shear or heat as the speed rises, by Carreau's"
             " law; Cross's, Eyring's and power laws are so close to it that a log seldom distinguishes them."
         ),
-        hint="steady runs over a speed range of 1 to 10 or more, warm and cold, in both directions",
+        hint="steady runs over at least a factor of ten in speed, warm and cold, in both directions",
         causes=(
             PossibleCause("grease or oil that thins by shear", FILM),
             PossibleCause("a lubricant that warms in its contacts as speed rises", FILM),

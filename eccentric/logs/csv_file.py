@@ -396,7 +396,7 @@ def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
 
 
 def _read_as(encoding: str) -> tuple[str]:
-    return (f"read as {encoding}, since it is no UTF-8",)
+    return (f"not valid UTF-8: read as {encoding}",)
 
 
 _JAPANESE = re.compile(

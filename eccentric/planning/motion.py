@@ -235,7 +235,7 @@ def _speeds(
     if omega is not None:
         order = "falling" if falling else "rising"
         yield Segment(
-            f"constant speeds of alternate directions, {order}, {{}} to {{}} {{rad}}/s", omega, (low, high)
+            f"constant speeds in alternating directions, {order}, {{}} to {{}} {{rad}}/s", omega, (low, high)
         )
 
 

@@ -39,7 +39,7 @@ def calls(found: Diagnosis) -> list[str]:
         f" {'the rest' if in_torque else 'it'} is in {call(function)}"
         for effect, function, in_torque in other_functions(model)
     ]
-    elsewhere += _zero(found, [torque, *elsewhere])
+    elsewhere += zero_line(found, [torque, *elsewhere])
     if not found.models.fits_the_rig:
         return []
     if not states:
@@ -58,7 +58,7 @@ def calls(found: Diagnosis) -> list[str]:
     ]
 
 
-def _zero(found: Diagnosis, called: Sequence[str]) -> list[str]:
+def zero_line(found: Diagnosis, called: Sequence[str]) -> list[str]:
     """From where the angle of a call counts, unless the logged one counts from there."""
     of_link = found.channels.alignment.theta_zero_rad
     if not of_link or not any("theta_m" in line for line in called):

@@ -81,7 +81,7 @@ def residual_picture(panel: Panel, balance: BalanceResiduals, axis: AxisKind, ti
     curves = {kind: panel.curves[name] for name, kind in _KINDS.items() if name in panel.curves}
     caption, alternative = figure_words(panel, balance.unit, axis)
     low = balance.smooth
-    cut = f" All rows are below the {low.cut_hz:g} Hz low-pass filter of the angle." if low else ""
+    cut = f" All signals are low-pass filtered at {low.cut_hz:g} Hz, like the angle." if low else ""
     channel = panel.channel
     picture = Picture(
         f"{caption} Bars: 10 % to 90 % quantiles of the rows of a point.{cut}",
