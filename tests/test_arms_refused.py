@@ -38,7 +38,7 @@ ARM_FILES = {
     "a result": (
         'format = "eccentric-diagnosis/1"',
         (
-            "expected an arm file, got a result (eccentric-diagnosis/1): emit the model.py beside a"
+            "expected an arm file, got a result (eccentric-diagnosis/1): emit the model.py next to a"
             " diagnosis.json, or a model with --parameters FIT.json"
         ),
     ),
