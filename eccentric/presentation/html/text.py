@@ -160,11 +160,7 @@ def trace_words(found: Trace, balance: BalanceResiduals, axis: AxisKind) -> tupl
         else f"a point is the mean of up to {found.rows_per_point} consecutive rows, the shaded band their"
         " minimum and maximum"
     )
-    cuts = (
-        f" The {len(found.cuts)} dotted lines mark gaps between the held-out intervals."
-        if len(found.cuts)
-        else ""
-    )
+    cuts = " Dotted lines mark gaps between the rows." if len(found.cuts) else ""
     errors = ", ".join(
         f"{curve_name(name, axis)} {number(value, 3)} {balance.unit}" for name, value in balance.rmse.items()
     )
