@@ -140,7 +140,7 @@ def _undetected_lines(fit: Fit) -> list[str]:
         if one.z is not None:
             line += (
                 f"; {whose} {one.reference:g} {one.unit}, which would be {float(f'{one.z:.2g}'):g} standard"
-                " errors from zero in this log"
+                " errors from zero in this log with all coefficients free"
             )
         out.append(line)
     return out
