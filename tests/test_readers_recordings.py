@@ -137,7 +137,7 @@ def test_a_bag_leaves_nothing_beside_it(tmp_path: Path) -> None:
         file.execute("DELETE FROM messages WHERE id = 1")
         file.commit()
         with pytest.raises(
-            InputError, match=r"expected a bag that was closed, got one with log\.db3-wal beside it"
+            InputError, match=r"expected a bag that was closed, got one with log\.db3-wal next to it"
         ):
             read_log(path)
     assert read_log(path).rows > 0
