@@ -175,6 +175,10 @@ TABLES = {
         "+---+---+\n| t | x |\n+---+---+\n" + lines("| %.3f | %.4f |", X, V) + "+---+---+\n",
         {"t": "", "x": ""},
     ),
+    "a table with a border on one side": (
+        "| t | x\n|---|---\n" + lines("| %.3f | %.4f", X, V),
+        {"t": "", "x": ""},
+    ),
     "comments of MATLAB": ("% bench 3\n% t x\n" + lines("%.3f %.4f", X, V), {"t": "", "x": ""}),
 }  # fmt: skip
 
@@ -257,6 +261,14 @@ def test_lists_in_cells_are_columns(text: str, read: Callable[..., Log]) -> None
 
     assert ["t", "q(:,1)", "q(:,2)"] == list(log.columns)
     assert {0.5} == set(log.numbers("q(:,1)"))
+
+
+def test_a_text_among_the_counts_of_a_scope(read: Callable[..., Log]) -> None:
+    """Its row has no time; all others keep theirs."""
+    rows = lines("%s,%.4f,", [*range(39), "end"], V)
+    log = read("X,CH1,Start,Increment,\nSequence,Volt,0.0,5e-3\n" + rows)
+
+    np.testing.assert_allclose(log.numbers("X"), [*X[:39], np.nan], atol=1e-9)
 
 
 def test_numbers_in_hexadecimal(read: Callable[..., Log]) -> None:

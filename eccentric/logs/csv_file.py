@@ -63,7 +63,7 @@ _FRAMES = re.compile(
 )
 """Lists of frames on a CAN bus: of candump, PEAK and Vector."""
 _AROUND = (
-    re.compile(r"\|(.*)\|"),
+    re.compile(r"\|?(.*?)\|?"),
     re.compile(r"\[([^\[\]]*[,\s][^\[\]]*)\],?"),
     re.compile(r"\(([^()]*[,\s][^()]*)\),?"),
     re.compile(r"\$([^*]*)\*[\dA-Fa-f]{2}"),
@@ -341,6 +341,8 @@ def _timed(read: Read, layout: Layout) -> Read:
         return read
     name, start, step = layout.every
     count = read.columns.get(name, np.full(len(read.lines), np.nan))
+    if count.dtype.kind != "f":  # a row with a text has no time
+        count = np.array([np.nan if (x := number_of(cell)) is None else x for cell in count.tolist()])
     if not np.any(np.isfinite(count)):
         count = np.arange(len(read.lines), dtype=float)
     elif np.any(count[np.isfinite(count)] % 1.0):
